@@ -29,6 +29,7 @@
 //! [`crate::instant::holding::blocks`] and [`crate::instant::cone`].
 
 mod as_integrator;
+mod balance;
 mod ballistic;
 mod careful;
 mod changed_efforts;

@@ -1,11 +1,18 @@
 //! The kind of the next step, and how a step ended: each is decided in one place, for the loop in [`crate::events::steps`].
 
+use crate::events::finding::speeds::speed_of;
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
+use crate::events::parts::model::HybridModel;
+use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 
 /// A step that does not look at all functions is no shorter than this (s).
 const BLIND: f64 = 1e-9;
+/// A step that passes a pair or a limit is no longer than this (s), and what closes moves by no more than this way in it (m or rad) if the shortest step
+/// lets it; overlaps that it leaves are moved apart.
+const BLIND_TO_BOUNDS: f64 = 1e-7;
+const BLIND_WAY: f64 = 2e-10;
 /// The longest step to a gap that closes at once (s).
 const MOMENT: f64 = 1e-7;
 
@@ -65,12 +72,32 @@ impl Eventful {
             return NextStep::FirstOrder;
         }
         if self.progress.repeats.are_to_be_passed() {
-            let pairs = !self.model.touching.pairs.is_empty();
-            let at_most = self.progress.repeats.passing_length(self.shortest_passing(state.time), pairs);
+            let shortest = self.shortest_passing(state.time);
+            let at_most = self.progress.repeats.passing_length(shortest, self.longest_past_bounds(state));
             return NextStep::Passing { at_most };
         }
         self.progress.repeats.look_at_all();
         NextStep::Watched
+    }
+
+    /// How long a step may be (s) in which pairs and limits are passed that close; those that rest there, and scenes without pairs, have no bound.
+    fn longest_past_bounds(&self, state: &State) -> f64 {
+        let HybridModel { whole, elements, touching, .. } = &self.model;
+        if touching.pairs.is_empty() {
+            return f64::INFINITY;
+        }
+        let passes = |watched: &&Watched| matches!(watched, Watched::Approach(_) | Watched::Gap(..));
+        let mut passed = self.progress.repeats.ignored.iter().filter(passes).peekable();
+        if passed.peek().is_none() {
+            return f64::INFINITY;
+        }
+        let bodies = body_states(whole, state);
+        let closing = passed.map(|watched| match *watched {
+            Watched::Approach(pair) => speed_of(&touching.pairs[pair], &bodies),
+            Watched::Gap(joint, _) => elements.joints[joint].rate(state).abs(),
+            _ => 0.0,
+        });
+        (BLIND_WAY / closing.fold(0.0, f64::max)).min(BLIND_TO_BOUNDS)
     }
 
     /// An event that is nearer to the start of a step than this is there (s).

@@ -8,12 +8,10 @@
 //!
 //! After the instant at which it stops, a slip has no direction, and the equations of the stages may have no solution.
 
-use crate::events::effects::resting::energy;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::closed_forces::{Slipping, What, slipping};
 use crate::events::integrator::{Eventful, InUse};
 use crate::events::modes::mode::Closed;
-use crate::events::modes::piece::Piece;
 use crate::events::modes::tolerances::{BRIEF_SLIP, STOPPED_SLIP, slip_at_rest};
 use crate::events::parts::crowding::JAM_STEP;
 use crate::events::parts::model::HybridModel;
@@ -21,13 +19,10 @@ use crate::events::parts::trial::StepTrial;
 use crate::instant::holding::moments::Turning;
 use crate::instant::holding::touching::Contact;
 use crate::mechanism::description::contact::Moment;
-use crate::mechanism::forces::total::Exchange;
-use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
-use crate::stepping::watching::unseen::Pushes;
 use nalgebra::Vector3;
 
 /// A step goes beyond the stop of a slip by this factor: there it is found, and further on the slip has no direction.
@@ -49,19 +44,8 @@ const STRAIGHT: f64 = 0.1;
 const SOONEST: f64 = 1e-8;
 /// A step in which slips cannot be solved is shortened by this factor.
 const SLOWER: f64 = 0.25;
-/// The energy of steps in which contacts slide is checked if they are shorter than this (s).
+/// A step in which contacts slide is no shorter than this (s) if it is made anew.
 pub(super) const JAM: f64 = 1e-7;
-/// Such a step is made in another way if more than this part of the largest kinetic energy is unaccounted for.
-const OFF: f64 = 1e-8;
-/// Energies are not known better than to this part of them.
-const ROUNDED: f64 = 1e-14;
-/// Given steps are made shorter if more than this part is unaccounted for, and more than this part of the friction loss. A step that cannot follow a
-/// slip or a jam is off by about the friction loss. Truncation errors are far smaller.
-const OFF_GIVEN: f64 = 1e-6;
-const OFF_FRICTION: f64 = 1e-4;
-/// If all contacts stick, they take no energy. A given step is then made shorter if it is off by more than this part of the largest kinetic energy.
-const OFF_STUCK: f64 = 1e-4;
-
 /// Closed contacts overlap by no more at the end of a step (m).
 const OVERLAP: f64 = 1e-12;
 
@@ -169,36 +153,6 @@ impl Eventful {
         }
     }
 
-    /// Whether contacts put the energy of the step to this end off balance. Sliding contacts do so if friction gives energy, or if the energy is off
-    /// by more than the tolerance allows, or than a given step may be. Steps so short that gaps have no digits left may be off by rounding only. If
-    /// all contacts stick, only a given step that is far off counts.
-    pub(super) fn is_off_balance(&self, inputs: Inputs, end: &State, exchange: &Exchange) -> bool {
-        let length = end.time - self.trial.origin.time;
-        let sticks = !self.slides();
-        let asked = !(sticks && (self.mode.contacts.is_empty() || self.model.recipe.tolerance().is_some()));
-        if length <= 0.0 || !asked {
-            return false;
-        }
-        let (before, after) = (energy(&self.model.whole, &self.trial.origin), energy(&self.model.whole, end));
-        let largest = self.memory.kinetic.max(before.kinetic).max(after.kinetic);
-        let off = (after.total() - before.total() + exchange.lost()).abs();
-        let most = match self.model.recipe.tolerance() {
-            // A body that begins to move has a tiny kinetic energy: roundings are small beside the work that forces do over its size.
-            _ if sticks => {
-                OFF_STUCK * largest + OFF * self.pushes(inputs, end) * size(&self.model.whole, &self.trial.origin)
-            }
-            _ if length <= JAM => OFF * largest,
-            Some(tolerance) => tolerance.max(OFF) * largest,
-            None => (OFF_GIVEN * largest).max(OFF_FRICTION * exchange.friction.abs()),
-        };
-        // One that slides without friction may not move at all: its energy has the roundings of its weight.
-        let rounded = |off: f64| {
-            let turned = self.pushes(inputs, end) * size(&self.model.whole, &self.trial.origin);
-            off <= ROUNDED * (before.total().abs() + turned)
-        };
-        off > most && !rounded(off) || exchange.friction < -OFF * largest
-    }
-
     /// Whether a closed contact overlaps at the end of the step by more than roundings: if sliding contacts nearly jam, the iteration of the stages
     /// converges slowly, and ends with the remaining residual.
     pub(super) fn overlaps(&mut self, end: &State) -> bool {
@@ -208,14 +162,6 @@ impl Eventful {
         let Eventful { model: HybridModel { whole, .. }, trial: StepTrial { bodies, placed, .. }, mode, .. } = self;
         placed.place(whole, end, bodies);
         mode.contacts.iter().any(|closed| touch_motion(&closed.contact.joint, bodies).gap < -OVERLAP)
-    }
-
-    /// Sum of the sizes of all forces [N or N m].
-    fn pushes(&self, inputs: Inputs, end: &State) -> f64 {
-        let Piece { moving, small, .. } = self.workspaces.active();
-        let driving = self.mode.driving_efforts(&self.model.elements, inputs, end);
-        let efforts = driving.iter().map(|effort| effort.abs()).sum();
-        Pushes::of(&moving.mechanism).with(energy(&moving.mechanism, small).spring, efforts)
     }
 
     /// Takes the directions in which closed contacts slide at the end of the step that was made last. Near a stop the component across a slip is the

@@ -226,7 +226,7 @@ impl Eventful {
         } else if ending.is_of_scheme() && !ending.is_at_start() && self.passes_a_stop(state) {
             Some(Rejected::SlipTurned)
         } else {
-            self.is_off_balance(inputs, state, &outcome.exchange).then_some(Rejected::OffBalance)
+            self.is_off_balance(inputs, state, ending, &outcome.exchange).then_some(Rejected::OffBalance)
         }
     }
 

@@ -161,10 +161,15 @@ fn rounded(whole: &Mechanism, state: &State, answers: &[(usize, f64)]) -> Vec<us
 
 /// `H⁻¹_ii` of freedoms: their answers without closures.
 pub(crate) fn answers_of_tree(whole: &Mechanism, state: &State, freedoms: impl Iterator<Item = usize>) -> Vec<f64> {
+    response_of_tree(whole).diagonal(state, freedoms)
+}
+
+/// The response without closures.
+pub(crate) fn response_of_tree(whole: &Mechanism) -> Response {
     let mut open = whole.clone();
     open.loops.clear();
     open.mimics.clear();
-    Response::new(&open).diagonal(state, freedoms)
+    Response::new(&open)
 }
 
 /// Whether an answer Y_ii vanishes beside held rows, with `row` = Y_iS and `inverse` = (Y_SS)⁺.

@@ -8,10 +8,13 @@
 //!
 //! Rates along the tangents of belts are rates of slips: bodies at rest on a belt move with it.
 //!
+//! Rows that loops hold take no part: `D_ii <= 1e-13 W_i H⁻¹ W_iᵀ` is rounding.
+//!
 //! Near gimbal lock D is a difference of large numbers, and the second form is taken, which has no such difference. It is needed if the first one
 //! leaves rates or gains energy.
 
 use crate::events::effects::decision::Scene;
+use crate::events::effects::immobile::{ROUNDING, response_of_tree};
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::least_norm::least_norm;
 use crate::instant::dynamics::mass_matrix::mass_matrix;
@@ -25,6 +28,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Rates that are left beyond this part of the largest are not at rest.
 const LEFT: f64 = 1e-7;
+/// An answer of a row below this part of the largest may be a rounding.
+const SUSPECT: f64 = 1e-9;
 
 /// The energy of a state (J).
 pub(crate) fn energy(mechanism: &Mechanism, state: &State) -> Energy {
@@ -49,10 +54,11 @@ pub(crate) fn keep_from_gaining(scene: &Scene, state: &mut State, before: f64) -
 
 /// Velocities without rates along some rows, with the least change in the metric of the mass matrix; returns the energy that this takes (J).
 pub(crate) fn bring_rows_to_rest(scene: &mut Scene, state: &mut State, rows: Vec<Row>) -> f64 {
-    if rows.is_empty() {
+    let rows = Rows::new(scene.response, state, rows);
+    let rows = without_rounded(scene, state, rows);
+    if rows.rows().is_empty() {
         return 0.0;
     }
-    let rows = Rows::new(scene.response, state, rows);
     let rates = rows.rates(&state.velocity);
     let unbounded = vec![(f64::NEG_INFINITY, f64::INFINITY); rates.len()];
     let impulses = minimise(&rows.square, &rates, &unbounded).efforts;
@@ -67,6 +73,19 @@ pub(crate) fn bring_rows_to_rest(scene: &mut Scene, state: &mut State, rows: Vec
     }
     let taken: f64 = impulses.iter().zip(&rates).map(|(impulse, rate)| -0.5 * rate * impulse).sum();
     taken - rows.work_of_belts(&impulses)
+}
+
+/// The rows but those that loops hold: their answers are roundings of those without closures, and an impulse that is to take a rounding from their rates
+/// moves the rest of the loop by anything.
+fn without_rounded(scene: &mut Scene, state: &State, rows: Rows) -> Rows {
+    let (whole, answers) = (scene.whole, rows.square.diagonal());
+    if whole.loops.is_empty() || answers.iter().all(|answer| *answer > SUSPECT * answers.max()) {
+        return rows;
+    }
+    let free = Rows::new(&mut response_of_tree(whole), state, rows.rows().to_vec()).square.diagonal();
+    let moves = |row: &usize| answers[*row] > ROUNDING * free[*row];
+    let kept: Vec<Row> = (0..answers.len()).filter(moves).map(|row| rows.rows()[row].clone()).collect();
+    if kept.len() == answers.len() { rows } else { Rows::new(scene.response, state, kept) }
 }
 
 /// The freedoms of the rows, if each row belongs to one joint of a tree; otherwise `None`.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     > 20 events at one instant, or one that left the mode as it was    ─▶ a step that passes them
-//!     its length:  shortest · 16ⁿ,  n ≤ 5 consecutive events that left the mode as it was;  ≤ 1e-7 s past a pair or a limit
+//!     its length:  shortest · 16ⁿ,  n ≤ 5 consecutive events that left the mode as it was;  ≤ 1e-7 s and 2e-10 m past a pair or a limit
 //! ```
 //!
 //! A function may be zero at the start of step after step: on the dense output alone, by roundings, or because one event opens what the next one
@@ -18,8 +18,6 @@ use crate::mechanism::motion::state::State;
 
 /// Events at one instant before a step is made without a look at their functions.
 const FLIPS: usize = 20;
-/// A step that passes a pair or a limit is never longer than this (s); overlaps that it leaves are moved apart.
-const BLIND_TO_BOUNDS: f64 = 1e-7;
 /// Such a step is longer by this factor each time that its event left the mode unchanged.
 const LONGER: f64 = 16.0;
 /// The most such lengthenings.
@@ -51,11 +49,9 @@ impl Repeats {
         self.flips.0 > FLIPS || self.looks_away
     }
 
-    /// How long that step may be (s), in a scene with pairs or without, if an event within `shortest` of its start is there.
-    pub fn passing_length(&self, shortest: f64, pairs: bool) -> f64 {
-        let length = shortest * LONGER.powi(self.unfounded);
-        let bound = |watched: &Watched| matches!(watched, Watched::Approach(_) | Watched::Gap(..));
-        if pairs && self.ignored.iter().any(bound) { length.min(shortest.max(BLIND_TO_BOUNDS)) } else { length }
+    /// How long that step may be (s), if an event within `shortest` of its start is there, and no longer one than `longest` may be made past what it ignores.
+    pub fn passing_length(&self, shortest: f64, longest: f64) -> f64 {
+        (shortest * LONGER.powi(self.unfounded)).min(longest.max(shortest))
     }
 
     /// The next step looks at all functions.

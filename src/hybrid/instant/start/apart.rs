@@ -16,6 +16,7 @@ use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{row_of_freedom, rows_of_contact};
 use crate::instant::holding::near::Near;
 use crate::instant::holding::touching::Touching;
+use crate::instant::start::wedged::beside;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
@@ -37,6 +38,8 @@ const CLOSED: f64 = 1e-13;
 const TAKEN: usize = 48;
 /// Largest change of a freedom in one round (rad, m).
 const REACH: f64 = 0.2;
+/// An overlap below this part of the size of a pair that remains is rounding.
+const LEFT: f64 = 1e-12;
 
 /// The pair that overlaps most, and its overlap (m); `None` without overlaps.
 pub(crate) fn deepest(touching: &Touching, mechanism: &Mechanism, state: &State) -> Option<(usize, f64)> {
@@ -131,8 +134,8 @@ fn least_pushes(column_of: impl Fn(usize) -> Vec<f64>, gaps: &[f64]) -> Vec<f64>
 /// A pair that overlaps, by its number, and its overlap (m); `None` without overlaps.
 pub(crate) type Overlap = Option<(usize, f64)>;
 
-/// Moves a state apart; `close` brings it back on what else has to hold, if that is possible. Says which pair overlapped most, and which still does: that one, too, where a
-/// loop holds shapes inside each other, so that it cannot be closed again.
+/// Moves a state apart; `close` brings it back on what else has to hold, if that is possible. One that is wedged is moved apart from beside it. Says which pair overlapped
+/// most, and which still does: that one, too, where a loop holds shapes inside each other, so that it cannot be closed again.
 pub(crate) fn without_overlap(
     mechanism: &Mechanism,
     state: &mut State,
@@ -143,21 +146,52 @@ pub(crate) fn without_overlap(
         return (None, None);
     }
     let named = |(pair, depth): (usize, f64)| (touching.pairs[pair].number, depth);
-    let first = deepest(&touching, mechanism, state).map(named);
-    let mut response = None;
+    let Some(first) = deepest(&touching, mechanism, state) else { return (None, None) };
+    let wanted = state.clone();
+    let mut response = Response::new(mechanism);
+    let mut left = |state: &mut State, close: &mut dyn FnMut(&mut State) -> bool| match in_rounds(
+        &touching,
+        mechanism,
+        &mut response,
+        state,
+        close,
+    ) {
+        Ok(left) => left.filter(|&(pair, depth)| depth > touching.pairs[pair].within(LEFT)),
+        Err(Unclosed) => Some(first),
+    };
+    let Some(wedged) = left(state, &mut close) else { return (Some(named(first)), None) };
+    let moved = state.clone();
+    for beside in beside(mechanism, &wanted) {
+        state.copy_from(&beside);
+        if close(state) && left(state, &mut close).is_none() {
+            return (Some(named(first)), None);
+        }
+    }
+    state.copy_from(&moved);
+    (Some(named(first)), Some(named(wedged)))
+}
+
+/// What else has to hold does not hold near.
+struct Unclosed;
+
+/// Moves a state apart in rounds; returns the pair that overlaps most after them, by its place in the list, and its overlap (m).
+fn in_rounds(
+    touching: &Touching,
+    mechanism: &Mechanism,
+    response: &mut Response,
+    state: &mut State,
+    close: &mut dyn FnMut(&mut State) -> bool,
+) -> Result<Option<(usize, f64)>, Unclosed> {
     for _ in 0..ROUNDS {
-        let Some((_, depth)) = deepest(&touching, mechanism, state) else { return (first, None) };
-        let response = response.get_or_insert_with(|| Response::new(mechanism));
-        if !move_apart(&touching, mechanism, response, state, depth) {
+        let Some((_, depth)) = deepest(touching, mechanism, state) else { return Ok(None) };
+        if !move_apart(touching, mechanism, response, state, depth) {
             break;
         }
         if !close(state) {
-            return (first, first);
+            return Err(Unclosed);
         }
     }
-    let left = deepest(&touching, mechanism, state);
-    let left = left.filter(|&(pair, depth)| depth > touching.pairs[pair].within(1e-12));
-    (first, left.map(named))
+    Ok(deepest(touching, mechanism, state))
 }
 
 #[cfg(test)]

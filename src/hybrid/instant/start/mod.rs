@@ -7,3 +7,4 @@ pub mod gimbal_lock;
 #[doc(hidden)]
 pub mod limits;
 pub mod unreachable;
+pub(crate) mod wedged;
