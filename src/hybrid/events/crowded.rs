@@ -124,6 +124,8 @@ impl Eventful {
         let kept = self.model.recipe.tolerance().filter(|_| speed > 0.0).map(|tolerance| tolerance / (SMEARS * speed));
         match kept {
             Some(length) if length >= LENGTHS[0] => (length.min(LENGTHS[1]), true),
+            // What hard dampers hold moves next to nothing.
+            Some(_) if self.progress.chatters => (LENGTHS[0], true),
             _ => (PLAIN, self.progress.beyond_horizon),
         }
     }

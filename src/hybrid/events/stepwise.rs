@@ -68,9 +68,9 @@ impl Eventful {
         let chosen = self.model.recipe.tolerance().is_some();
         let work = if chosen { 1 + self.mode.contacts.len() / CONTACTS_A_STEP } else { 1 };
         let bearable = self.bearable_labour();
-        let may = !self.model.recipe.keeps(Rule::Crowds)
-            && (!self.model.touching.pairs.is_empty()
-                || self.progress.crowding.is_eventful() && self.overshoots(state, HARD));
+        let is_mechanism = self.model.touching.pairs.is_empty();
+        self.progress.chatters = is_mechanism && self.progress.crowding.is_eventful() && self.overshoots(state, HARD);
+        let may = (!is_mechanism || self.progress.chatters) && !self.model.recipe.keeps(Rule::Crowds);
         may && self.progress.crowding.count(state.time, work, bearable, self.trial.loose.is_one())
     }
 

@@ -37,6 +37,8 @@ pub(crate) struct Progress {
     pub crowding: Crowding,
     /// Whether the run makes steps over many impacts now.
     pub in_crowd: bool,
+    /// Whether hard dampers of a mechanism without shapes let events follow each other without an end.
+    pub chatters: bool,
     /// Whether it begins in a crowd that another run has met.
     pub goes_on_in_crowd: bool,
     /// Whether they are those that keep to the tolerance by an estimate of their own, and the length of the next one (s).
@@ -68,6 +70,7 @@ impl Progress {
             passes: Vec::new(),
             crowding: Crowding::CALM,
             in_crowd: false,
+            chatters: false,
             goes_on_in_crowd: false,
             is_careful: false,
             careful: FIRST,
