@@ -24,6 +24,7 @@ use crate::stepping::recipe::{Recipe, Steps};
 use nalgebra::{Translation3, Vector3};
 
 mod closed;
+mod horizon;
 mod interrupted;
 mod rebounds;
 mod sleep;

@@ -1,7 +1,7 @@
 //! A run in a crowd of events: when it begins, the length of its steps (`crowd/`), and when exact steps take over again.
 //!
 //! ```text
-//!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to it, or can: beyond the horizon          v: largest speed so far [m/s]
+//!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to it; no less beyond the horizon           v: largest speed so far [m/s]
 //!     begins:   exact labour, decisions and looks at hulls included, > 2 labour of such steps and > 1 s/s, if they keep to the tolerance, and four events or ticks were met in
 //!               10 ms, or one of a lone island and ten times that labour;  or as in `crowding.rs`, if such crowds follow soon
 //!               c_d (3 n_c)³ > 2 (1/h) c_c (i + 5) n  and > 1 s, where a run begins; > 3 s, if they do not keep to it      cost of its decision (s)
@@ -24,6 +24,7 @@ use crate::events::integrator::Eventful;
 use crate::events::modes::mode::MotorMode;
 use crate::events::parts::crowding::{Crowding, LABOUR_WITHIN};
 use crate::events::parts::model::HybridModel;
+use crate::events::parts::progress::Progress;
 use crate::events::parts::workspaces::Workspaces;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::Exchange;
@@ -58,9 +59,9 @@ const SHORTENED: usize = 4;
 const OVERHEAD: f64 = 5.0;
 const USUAL: f64 = 8.0;
 /// Exact steps that cost less than this stay (s for a second of the motion).
-const CHEAP: f64 = 1.0;
+pub(super) const CHEAP: f64 = 1.0;
 /// The same of the decision of a start where steps over events do not keep to the tolerance (s): what rests may never move.
-pub(super) const PATIENT: f64 = 3.0;
+const PATIENT: f64 = 3.0;
 /// Exact steps that cost less than this are worth a run that begins again (s for a second of the motion).
 const LITTLE: f64 = 0.2;
 /// The same with a contact for three rates, in a scene of a few bodies: two on a floor.
@@ -78,6 +79,7 @@ pub(super) struct Attempted {
 pub struct CrowdsSoFar {
     crowding: Crowding,
     in_crowd: bool,
+    beyond_horizon: bool,
     /// The largest speed of its bodies, in the mean over their masses [m/s].
     speed: f64,
 }
@@ -86,8 +88,9 @@ impl CrowdsSoFar {
     /// What two runs have seen that are one from now on.
     #[must_use]
     pub fn with(self, other: Self) -> Self {
-        let speed = self.speed.max(other.speed);
-        if other.in_crowd && !self.in_crowd { CrowdsSoFar { speed, ..other } } else { CrowdsSoFar { speed, ..self } }
+        let (speed, beyond_horizon) = (self.speed.max(other.speed), self.beyond_horizon || other.beyond_horizon);
+        let base = if other.in_crowd && !self.in_crowd { other } else { self };
+        CrowdsSoFar { speed, beyond_horizon, ..base }
     }
 }
 
@@ -95,13 +98,15 @@ impl Eventful {
     /// What it has seen of crowds.
     pub fn crowds_so_far(&self) -> CrowdsSoFar {
         let speed = self.fastest();
-        CrowdsSoFar { crowding: self.progress.crowding, in_crowd: self.progress.in_crowd, speed }
+        let &Progress { crowding, in_crowd, beyond_horizon, .. } = &self.progress;
+        CrowdsSoFar { crowding, in_crowd, beyond_horizon, speed }
     }
 
     /// Goes on from what another run has seen, before the first step: in a crowd if that was in one.
     pub fn go_on_from(&mut self, before: CrowdsSoFar) {
         self.progress.crowding = before.crowding;
         self.progress.goes_on_in_crowd = before.in_crowd;
+        self.progress.beyond_horizon |= before.beyond_horizon;
         self.memory.kinetic = 0.5 * self.mass() * before.speed.powi(2);
     }
 
@@ -123,7 +128,10 @@ impl Eventful {
         let speed = self.fastest().max(FALLS * self.model.whole.gravity.norm());
         let kept = self.model.recipe.tolerance().filter(|_| speed > 0.0).map(|tolerance| tolerance / (SMEARS * speed));
         match kept {
-            Some(length) if length >= LENGTHS[0] => (length.min(LENGTHS[1]), true),
+            Some(length) if length >= LENGTHS[0] => {
+                let least = if self.progress.beyond_horizon { PLAIN } else { LENGTHS[0] };
+                (length.clamp(least, LENGTHS[1]), true)
+            }
             // What hard dampers hold moves next to nothing.
             Some(_) if self.progress.chatters => (LENGTHS[0], true),
             _ => (PLAIN, self.progress.beyond_horizon),

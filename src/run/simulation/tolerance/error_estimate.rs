@@ -322,6 +322,9 @@ impl<'a> ErrorEstimate<'a> {
             self.differ = self.difference(run);
             self.by = By::Nothing;
             run.leave_companion();
+            if run.smeared()[0] > 0.0 {
+                run.pass_horizon();
+            }
         }
         let finer = self.may_begin_again && self.stop > FINEST;
         if self.next.is_none()
