@@ -59,6 +59,7 @@ mod false_alarms;
 mod free_bodies;
 mod grippers;
 mod groups;
+mod hard_dampers;
 mod hinged_loops;
 mod impacts_with_limits;
 mod in_loops;

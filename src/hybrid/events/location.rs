@@ -101,19 +101,19 @@ impl Eventful {
         self.trial.watched.iter().position(|watched| *watched == of).unwrap_or(before)
     }
 
-    /// The same, with room for it. Joints that creep on have not stopped.
+    /// The same, with room for it. Functions that ring keep their signs.
     fn look(&mut self, inputs: Inputs, since: f64, but: Option<usize>, looking: &mut Looking) -> Option<Bracket> {
-        looking.creeping.clear();
+        looking.ringing.clear();
         loop {
             let found = self.look_at_others(inputs, since, but, looking)?;
-            if !self.creeps_on(inputs, since, found.root, found.watched) {
+            if !self.rings(inputs, since, found.root, found.watched) {
                 return Some(found);
             }
-            looking.creeping.push(found.watched);
+            looking.ringing.push(found.watched);
         }
     }
 
-    /// The same, but for joints that are known to creep on.
+    /// The same, but for functions that are known to ring.
     fn look_at_others(
         &mut self,
         inputs: Inputs,
@@ -121,10 +121,10 @@ impl Eventful {
         but: Option<usize>,
         looking: &mut Looking,
     ) -> Option<Bracket> {
-        let Looking { which, zero, noise, room, creeping } = looking;
+        let Looking { which, zero, noise, room, ringing } = looking;
         self.candidates(since, which);
         self.see_forces();
-        let skipped = |index: &usize| Some(*index) == but || creeping.contains(index);
+        let skipped = |index: &usize| Some(*index) == but || ringing.contains(index);
         which.retain(|index| !skipped(index) && !self.is_foreseen(self.trial.watched[*index]));
         room.unclear = false;
         if which.is_empty() {

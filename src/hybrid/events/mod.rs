@@ -38,7 +38,6 @@ mod closing_pairs;
 mod commanded;
 mod contact_points;
 mod covered;
-mod creeping;
 mod crowd;
 #[cfg(test)]
 mod crowd_tests;
@@ -59,6 +58,7 @@ mod nearing;
 mod next_step;
 mod parts;
 mod quiet;
+mod ringing;
 mod singular;
 mod sliding;
 mod slow_passes;

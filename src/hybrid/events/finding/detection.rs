@@ -79,8 +79,8 @@ pub(crate) struct Looking {
     pub which: Vec<usize>,
     pub zero: Vec<f64>,
     pub noise: Vec<f64>,
-    /// Those of joints that creep on through zero, which are not looked at.
-    pub creeping: Vec<usize>,
+    /// Those that ring through zero, which are not looked at.
+    pub ringing: Vec<usize>,
     pub room: Room,
 }
 

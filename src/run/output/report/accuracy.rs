@@ -2,7 +2,7 @@
 
 use crate::mechanism::ground::words::rounded;
 use crate::output::report::method::first_order_is_felt;
-use crate::output::report::rounding::{FarSpring, is_energy_rounding};
+use crate::output::report::rounding::{FarSpring, displaced, is_energy_rounding};
 use crate::simulation::{Accuracy, Finished, StepChoice, Summary, UnknownAccuracy};
 use serde::Serialize;
 
@@ -81,8 +81,6 @@ impl NoAccuracyReport {
 const FINEST: f64 = 1e-11;
 /// Energy errors over the wanted accuracy (1/m) beyond which the estimate is not believed: steps are kept within one.
 const UNBALANCED: f64 = 10.0;
-/// The work along displacements of this many times the accuracy may be missing in the balance.
-const DISPLACED: f64 = 10.0;
 /// Error at the end over the stop of the iteration.
 const CALM: f64 = 100.0;
 
@@ -181,11 +179,9 @@ impl AccuracyReport {
         let allowed = UNBALANCED * self.wanted.max(FINEST);
         // Hard dampers take with next to no motion what springs, weights and motors have stored: a displacement changes those energies, too.
         let moved = summary.exchange.dissipated.abs() + summary.held;
-        // Springs of motors that are hardly stretched store little, yet a displacement by the accuracy does work against them, and their dampers'
-        // efforts oscillate in longer steps.
-        let displaced = DISPLACED * self.wanted * summary.pulled;
         // An energy that is not a number does not balance either.
-        let balances = error <= allowed || summary.max_energy_error <= allowed * moved + displaced;
+        let balances =
+            error <= allowed || summary.max_energy_error <= allowed * moved + displaced(summary, self.wanted);
         if self.reached && !is_energy_rounding(summary) && !balances {
             self.falls_short();
             self.unbalanced = Some(error);

@@ -1,0 +1,95 @@
+//! Arms that hard motors hold: rates and efforts ring in steps that are longer than the time constants of their dampers, and the zeros that they pass are
+//! no events.
+
+use crate::common::scratch;
+use crate::scene_files::{apart, joint, report};
+use catena::prelude::*;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// A scene of a robot file, with a position motor with target 0 on each joint.
+fn held(folder: &Path, urdf: &str, joints: usize, [kp, kd]: [f64; 2]) -> PathBuf {
+    std::fs::write(folder.join("arm.urdf"), urdf).expect("a robot");
+    let mut scene = "[[robot]]\nurdf = \"arm.urdf\"\n".to_string();
+    for number in 0..joints {
+        write!(scene, "[[motor]]\njoint = \"j{number}\"\nkind = \"position\"\ntarget = 0\nkp = {kp}\nkd = {kd}\nmax_effort = 1e6\n")
+            .expect("text");
+    }
+    let file = folder.join("scene.toml");
+    std::fs::write(&file, scene).expect("a scene");
+    file
+}
+
+#[test]
+fn joints_that_creep_against_hard_dampers_stop_and_slip_only_where_the_motion_does() {
+    // Four links of 0.1 kg and 0.1 m, with hinges about y and z in turn, which have 0.1 N m of dry friction.
+    let mut urdf = "<robot name=\"arm\"><link name=\"base\"/>".to_string();
+    for number in 0..4 {
+        let (parent, x) = if number == 0 { ("base".to_string(), 0.0) } else { (format!("l{}", number - 1), 0.1) };
+        let axis = if number % 2 == 0 { "0 1 0" } else { "0 0 1" };
+        write!(
+            urdf,
+            "<link name=\"l{number}\"><inertial><origin xyz=\"0.05 0 0.02\"/><mass value=\"0.1\"/>\
+             <inertia ixx=\"1e-4\" iyy=\"1e-4\" izz=\"2e-5\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\
+             <joint name=\"j{number}\" type=\"revolute\"><parent link=\"{parent}\"/><child link=\"l{number}\"/><origin xyz=\"{x} 0 0\"/>\
+             <axis xyz=\"{axis}\"/><limit lower=\"-2\" upper=\"2\" effort=\"0\" velocity=\"50\"/><dynamics friction=\"0.1\"/></joint>"
+        )
+        .expect("text");
+    }
+    urdf.push_str("</robot>");
+    for [kp, kd] in [[1e4, 300.0], [1e5, 3000.0]] {
+        let file = held(&scratch("hard_dampers_creep"), &urdf, 4, [kp, kd]);
+        // Twenty time constants kd/kp.
+        let ended = report(&file, &[], &[], Some(0.6), 1e-6);
+        // The weights at 0.05 to 0.35 m, and at 0.05 and 0.15 m beyond the third hinge, less what friction holds. The arm sags by 7e-5 rad, which changes
+        // these torques by 6e-6 N m.
+        let weight = 0.1 * 9.81;
+        for (name, lever) in [("j0", 0.8), ("j2", 0.2)] {
+            let (expected, (found, _)) = ((weight * lever - 0.1) / kp, joint(&ended, name));
+            assert!((found - expected).abs() <= 1e-5 / kp, "kp {kp}, {name}: {found:e}, expected {expected:e}");
+        }
+        let accuracy = ended.accuracy.as_ref().expect("an accuracy");
+        assert!(accuracy.reached, "kp {kp}: {accuracy:?}");
+        // 8000 and more before.
+        let count = ended.events.counts.total();
+        println!("kp {kp}: {count} events in {} steps, told {:e}", ended.steps, accuracy.estimated);
+        assert!(count <= 40, "kp {kp}: {count} events");
+        let warned = ended.warnings.iter().find(|warning| warning.contains("energy balance"));
+        assert!(warned.is_none(), "kp {kp}: {warned:?}");
+    }
+}
+
+#[test]
+fn joints_on_limits_beside_hard_dampers_bear_their_loads_without_releases() {
+    // Two of three joints start on their upper limits, on which weights press them.
+    let mut urdf = "<robot name=\"arm\"><link name=\"base\"/>".to_string();
+    let links = [
+        ("base", "0.021 0.082 -0.006", "1 0 0", 0.0, 0.317, "0.083 -0.005 0.016"),
+        ("l0", "0.028 -0.070 0.027", "1 0 0", 2.0, 0.298, "-0.006 0.067 -0.005"),
+        ("l1", "0.052 0.018 -0.040", "0 0 1", 0.0, 0.441, "0.048 0.034 -0.087"),
+    ];
+    for (number, (parent, place, axis, upper, mass, center)) in links.iter().enumerate() {
+        write!(
+            urdf,
+            "<link name=\"l{number}\"><inertial><origin xyz=\"{center}\"/><mass value=\"{mass}\"/>\
+             <inertia ixx=\"1e-4\" iyy=\"1e-4\" izz=\"1e-4\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\
+             <joint name=\"j{number}\" type=\"revolute\"><parent link=\"{parent}\"/><child link=\"l{number}\"/><origin xyz=\"{place}\"/>\
+             <axis xyz=\"{axis}\"/><limit lower=\"-2\" upper=\"{upper}\" effort=\"100\" velocity=\"50\"/></joint>"
+        )
+        .expect("text");
+    }
+    urdf.push_str("</robot>");
+    let file = held(&scratch("hard_dampers_bear"), &urdf, 3, [1e5, 3000.0]);
+    let ended = report(&file, &[], &[], Some(0.2), 1e-6);
+    // Steps over events have dampers at their ends, and no event.
+    let model = Model::load(&file).expect("a model");
+    let mut over_events = Simulation::new(&model).fixed(1, 2e-5).duration(0.2);
+    over_events.run().expect("a run");
+    let over_events = over_events.finish().expect("a report");
+    let (off, count) = (apart(&ended, &over_events), ended.events.counts.total());
+    println!("{count} events in {} steps, {off:e} m apart", ended.steps);
+    // Steps of first order are off by their length times the rates of 1e-5 rad/s that decay in 0.03 s.
+    assert!(off <= 1e-9, "{off:e} m apart");
+    // 1606 before.
+    assert!(count <= 10, "{count} events");
+}
