@@ -91,7 +91,7 @@ impl Integrator for Eventful {
         self.progress.bounded = next < until || inputs.efforts.iter().any(|effort| *effort != 0.0);
         next = next.min(self.resolved_until(state.time, next));
         self.progress.stepped_over = None;
-        let over_slips = if self.slips_are_dear() { self.begin_carefully(inputs, state, next) } else { None };
+        let over_slips = if self.slips_are_dear(state.time) { self.begin_carefully(inputs, state, next) } else { None };
         let advanced = match over_slips {
             Some(outcome) => Ok(outcome),
             None => match self.next_step(state) {
@@ -111,7 +111,7 @@ impl Integrator for Eventful {
             ) if !self.model.touching.pairs.is_empty() => {
                 state.copy_from(&self.trial.origin);
                 let (since, slides) = (state.time, self.slides());
-                let again = slides && self.progress.crowding.jams_again(since) && self.may_step_carefully();
+                let again = slides && self.progress.crowding.jams_again(since) && self.may_step_carefully(since);
                 match if again { self.begin_carefully(inputs, state, next) } else { None } {
                     Some(outcome) => outcome,
                     None => {

@@ -1,5 +1,5 @@
-//! The balance of energy of a step that ends at an event, or in which contacts slide: what is off by more than steps are allowed is another motion than
-//! that of the equations.
+//! The balance of energy of a step that ends at an event, or in which contacts slide: a step that is off by more than is allowed follows another motion
+//! than the equations.
 //!
 //! ```text
 //!     Δ = |E₁ − E₀ + lost|  ≤  max(0.03 T, 10⁻⁶) K           K: the largest kinetic energy so far (J), T: the tolerance (m)

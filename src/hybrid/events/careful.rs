@@ -9,7 +9,8 @@
 //!
 //! e/h is an error of the velocity, which may carry on for a second and more: it is what counts where a slip stops.
 //!
-//! They are made where all slips are slower than a thousandth of the largest speed so far, and no impacts are met. An impact ends them: no length of at
+//! They are made where all slips are slower than a thousandth of the largest speed so far, and no impacts are met, or where exact steps are dearer by
+//! ten times what is borne, as with dozens of contacts that share their loads. An impact ends them: no length of at
 //! least 10 µs keeps to the tolerance there, and the exact steps locate it. A slip of 1e-6 m/s, as of the feet of a robot that shifts its weight, turns in
 //! microseconds, so that exact steps are as short, and moves its foot by a micrometre in a second.
 
@@ -38,20 +39,21 @@ const SLOW: f64 = 1e-3;
 
 impl Eventful {
     /// Whether exact steps are dearer than such steps would be where no impacts are met.
-    pub(super) fn slips_are_dear(&self) -> bool {
+    pub(super) fn slips_are_dear(&self, time: f64) -> bool {
         let Progress { crowding, careful, .. } = &self.progress;
-        crowding.is_dear(self.labour_of_crowds(*careful)) && self.may_step_carefully()
+        crowding.is_dear(self.labour_of_crowds(*careful)) && self.may_step_carefully(time)
     }
 
-    /// Whether such steps may keep to a tolerance: slips are slow, and no impacts are met now.
-    pub(super) fn may_step_carefully(&self) -> bool {
+    /// Whether such steps may keep to a tolerance from a time (s) on: slips are slow, and no impacts are met now, unless exact steps are far dearer.
+    pub(super) fn may_step_carefully(&self, time: f64) -> bool {
         let HybridModel { touching, recipe, .. } = &self.model;
         let Progress { crowding, beyond_horizon, .. } = &self.progress;
         let may = !(touching.pairs.is_empty() || *beyond_horizon || recipe.keeps(Rule::Crowds) || self.needs_events());
         let can = self.workspaces.crowd.is_some() && recipe.tolerance().is_some();
         // Steps over all events that keep to the tolerance, too, and are as long, are left less often.
         let (length, keeps) = self.crowd_length();
-        may && can && !crowding.is_lively() && !(keeps && length >= MOST)
+        let far_dearer = || crowding.is_far_dearer(time, self.labour_of_crowds(self.progress.careful));
+        may && can && (!crowding.is_lively() || far_dearer()) && !(keeps && length >= MOST)
     }
 
     /// Whether a slip was not slow where the last step began.

@@ -132,7 +132,7 @@ impl Eventful {
                 let least = if self.progress.beyond_horizon { PLAIN } else { LENGTHS[0] };
                 (length.clamp(least, LENGTHS[1]), true)
             }
-            // What hard dampers hold moves next to nothing.
+            // Joints that hard dampers hold hardly move.
             Some(_) if self.progress.chatters => (LENGTHS[0], true),
             _ => (PLAIN, self.progress.beyond_horizon),
         }

@@ -1,12 +1,12 @@
-//! Sign changes that are no events: rates and efforts that ring about those of joints that hard dampers hold.
+//! Sign changes that are no events: rates and efforts ring where hard dampers hold joints.
 //!
 //! ```text
 //!     c Y h > 1:     the transient of a joint that moves is shorter than the step h, and the scheme keeps it as an oscillation
 //!     S = {moving joints with hard dampers} ∪ {held joints},     D f = −a_S,     q̇_s = q̇ − f / c,     λ_s = f
 //! ```
 //!
-//! c is the damping of a joint by its own damper and motors [N m s/rad], Y its mobility [1/(kg m²)], a the accelerations under all efforts but those that
-//! hold joints, and D = W Y Wᵀ that of S. q̇_s are the rates and λ_s the efforts of held joints [N m] once the transient is over. A joint whose q̇_s
+//! c is the damping of a joint by its own damper and motors [N m s/rad], Y its mobility [1/(kg m²)], a the accelerations under all efforts except at
+//! held joints, and D = W Y Wᵀ the mobility of S. q̇_s are the rates and λ_s the efforts of held joints [N m] once the transient is over. A joint whose q̇_s
 //! goes on, or whose λ_s holds it, has no event where q̇ or λ are zero: it would stop and slip, or part from its limit and meet it, in step after step.
 //! Trees without contacts are looked at.
 
@@ -26,7 +26,7 @@ struct Member {
 }
 
 impl Eventful {
-    /// Whether a function whose sign changes at a time (s) in a step from `since` rings there, and keeps its sign.
+    /// Whether a function whose sign changes at a time (s) in a step from `since` only rings there.
     pub(super) fn rings(&mut self, inputs: Inputs, since: f64, time: f64, number: usize) -> bool {
         let watched = self.trial.watched[number];
         let (Watched::Slide(index) | Watched::Bears(index, _)) = watched else { return false };

@@ -79,7 +79,7 @@ pub(crate) struct Looking {
     pub which: Vec<usize>,
     pub zero: Vec<f64>,
     pub noise: Vec<f64>,
-    /// Those that ring through zero, which are not looked at.
+    /// The numbers of functions that ring through zero, which are left out.
     pub ringing: Vec<usize>,
     pub room: Room,
 }

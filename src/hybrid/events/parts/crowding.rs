@@ -6,7 +6,8 @@
 //!     it is left by first-order steps for 1e-4 s; after a crowd that ended less than ten times its length ago for twice as long as then, up to 51 ms
 //! ```
 //!
-//! The cost of steps over events takes the place of 1.2e7 if they keep to the tolerance. A scene of a few bodies whose error is estimated saves what it does not
+//! The cost of steps over events takes the place of 1.2e7 if they keep to the tolerance; ten times that cost in four short steps in which contacts
+//! slide needs no event. A scene of a few bodies whose error is estimated saves what it does not
 //! spend of that, up to 1e-1 s of it, and spends it before it steps over events: it meets a crowd of a moment event by event. Given instants to which few stages are not enough count as
 //! events: many stages gain nothing where efforts jump every millisecond. Given steps count 1 each. The first-order steps have 1e-4 s, and a
 //! sixteenth of the whole time if it is longer than 1.6 ms, up to 1e-3 s. So the work for a time of the motion is bounded: if crowds follow without
@@ -30,7 +31,8 @@ const LABOUR: f64 = 1.2e7;
 const LABOUR_AGAIN: f64 = 2e6;
 pub(crate) const LABOUR_WITHIN: f64 = 1e-2;
 const LABOUR_EVENTS: usize = 4;
-/// One of them is enough where the work is larger than what is borne by this factor: feet that turn as they stop.
+/// One of them is enough where the work is larger than what is borne by this factor: feet that turn as they stop. As many short steps on
+/// contacts that cost as much need no event.
 const FAR_DEARER: f64 = 10.0;
 /// A step that cannot be made is replaced by one of first order of this length (s).
 pub(crate) const JAM_STEP: f64 = 1e-6;
@@ -78,6 +80,7 @@ struct Labour {
     decided: f64,
     events: usize,
     lively: usize,
+    impacts: usize,
     breaks: usize,
     slips: usize,
     since: f64,
@@ -100,7 +103,16 @@ impl Crowding {
     /// The counts before the first event.
     pub const CALM: Crowding = Crowding {
         counts: [(0, f64::NEG_INFINITY); CROWDS.len()],
-        labour: Labour { work: 0.0, decided: 0.0, events: 0, lively: 0, breaks: 0, slips: 0, since: f64::NEG_INFINITY },
+        labour: Labour {
+            work: 0.0,
+            decided: 0.0,
+            events: 0,
+            lively: 0,
+            impacts: 0,
+            breaks: 0,
+            slips: 0,
+            since: f64::NEG_INFINITY,
+        },
         saved: None,
         left: 0,
         made: 0,
@@ -128,6 +140,7 @@ impl Crowding {
         if let Ended::AtEvent { decided, impact } = ended {
             labour.events += 1;
             labour.lively += usize::from(impact);
+            labour.impacts += usize::from(impact);
             labour.decided += decided;
         }
     }
@@ -146,6 +159,15 @@ impl Crowding {
     pub fn is_dear(&self, bearable: f64) -> bool {
         let Labour { work, decided, breaks, slips, .. } = self.labour;
         breaks + slips >= LABOUR_EVENTS && work + decided > bearable
+    }
+
+    /// Whether the labour that is counted now, up to a time (s), is far more than this, in short steps on contacts without impacts: dozens of contacts that
+    /// share their loads take many iterations of many unknowns in each of them.
+    pub fn is_far_dearer(&self, time: f64, bearable: f64) -> bool {
+        let Labour { work, decided, impacts, breaks, slips, since, .. } = self.labour;
+        // The last step may be longer than the time in which it counts.
+        let within = ((time - since) / LABOUR_WITHIN).max(1.0);
+        impacts == 0 && breaks + slips >= LABOUR_EVENTS && work + decided > FAR_DEARER * bearable * within
     }
 
     /// Whether the labour that is counted now is among many events.
@@ -170,7 +192,8 @@ impl Crowding {
 
     /// Counts a step that begins at a time (s), with its work in steps without contacts; returns whether it is to be one of first order. Steps over events
     /// that are accurate enough take the place of exact ones with a labour beyond `bearable`, their decisions included, if events or given instants break
-    /// the motion; one is enough for bodies that are one island, `alone`, if the labour is far beyond.
+    /// the motion; one is enough for bodies that are one island, `alone`, if the labour is far beyond, and short steps in which contacts slide need no
+    /// event.
     pub fn count(&mut self, time: f64, work: usize, bearable: Option<f64>, alone: bool) -> bool {
         self.jams = false;
         if self.left == 0 {
@@ -189,7 +212,7 @@ impl Crowding {
             let dearer = bearable.is_some_and(|bearable| {
                 let least = if alone && work + decided > FAR_DEARER * bearable { 1 } else { LABOUR_EVENTS };
                 let spent = self.saved.is_none_or(|(saved, _)| saved < 0.0);
-                work + decided > bearable && breaks >= least && spent
+                (work + decided > bearable && breaks >= least || self.is_far_dearer(time, bearable)) && spent
             });
             let laboured = work > most && events >= LABOUR_EVENTS || dearer;
             if !crowded && !laboured {
@@ -390,10 +413,13 @@ mod tests {
         assert!(crowded(3e4, true) && !crowded(4e4, true));
         // An event of one body of many is no reason for all.
         assert!(!crowded(3e4, false));
-        // Without an event it is a smooth motion.
-        let mut crowding = Crowding::CALM;
-        crowding.labour(0.0, 3.6e8, Ended::Smoothly);
-        assert!(!crowding.count(0.0, 1, Some(3e4), true));
+        // Without an event it is a smooth motion, unless short steps on contacts that slide cost as much in the same time.
+        let smooth = |ended: Ended, until: f64| {
+            let mut crowding = Crowding::CALM;
+            (0..LABOUR_EVENTS).for_each(|_| crowding.labour(0.0, 9e4, ended));
+            crowding.count(until, 1, Some(3e4), true)
+        };
+        assert!(smooth(Ended::AtSlip, 1e-2) && !smooth(Ended::AtSlip, 1.3e-2) && !smooth(Ended::Smoothly, 1e-2));
     }
 
     #[test]

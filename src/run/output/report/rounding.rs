@@ -69,7 +69,7 @@ fn stored_rounding(summary: &Summary) -> bool {
     summary.max_relative_energy_error * summary.largest_kinetic <= rounding
 }
 
-/// What may be missing in the balance of motors at an accuracy (J). Springs that are hardly stretched store little, yet a displacement by the accuracy
+/// The work that may be missing in the balance of motors at an accuracy (J). Springs that are hardly stretched store little, yet a displacement by the accuracy
 /// does work against them, and the efforts of their dampers oscillate in longer steps.
 pub(super) fn displaced(summary: &Summary, wanted: f64) -> f64 {
     DISPLACED * wanted * summary.pulled
