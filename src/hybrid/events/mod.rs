@@ -55,6 +55,7 @@ mod modes;
 mod moving;
 mod nearing;
 mod next_step;
+mod parting;
 mod parts;
 mod quiet;
 mod singular;
