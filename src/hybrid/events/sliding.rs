@@ -14,7 +14,7 @@ use crate::events::forces::closed_forces::{Slipping, What, slipping};
 use crate::events::integrator::{Eventful, InUse};
 use crate::events::modes::mode::Closed;
 use crate::events::modes::piece::Piece;
-use crate::events::modes::tolerances::{BRIEF_SLIP, STOPPED_SLIP, slip_at_rest};
+use crate::events::modes::tolerances::{BRIEF_SLIP, STOPPED_SLIP, direction_of_slip, slip_at_rest};
 use crate::events::parts::crowding::JAM_STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
@@ -271,9 +271,7 @@ impl Eventful {
         for closed in &self.mode.contacts {
             let begins = closed.slides.unwrap_or_default();
             let slip = touch_motion(&closed.contact.joint, &self.trial.bodies).slip;
-            // Slower than rest it has no direction of its own.
-            let moving = slip.norm() > slip_at_rest(self.memory.fastest);
-            self.trial.slips.push(slip.try_normalize(0.0).filter(|_| moving).unwrap_or(begins));
+            self.trial.slips.push(direction_of_slip(&slip, begins, slip_at_rest(self.memory.fastest)));
             self.trial.turns.push(self.turning_now(closed));
             self.trial.begins.push(slip);
         }
