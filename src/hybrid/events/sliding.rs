@@ -14,7 +14,7 @@ use crate::events::forces::closed_forces::{Slipping, What, slipping};
 use crate::events::integrator::{Eventful, InUse};
 use crate::events::modes::mode::Closed;
 use crate::events::modes::piece::Piece;
-use crate::events::modes::tolerances::{BRIEF_SLIP, STOPPED_SLIP, direction_of_slip, slip_at_rest};
+use crate::events::modes::tolerances::{BRIEF_SLIP, SHORTEST, STOPPED_SLIP, direction_of_slip, slip_at_rest};
 use crate::events::parts::crowding::JAM_STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
@@ -64,9 +64,6 @@ const OFF_STUCK: f64 = 1e-4;
 
 /// Closed contacts overlap by no more at the end of a step (m).
 const OVERLAP: f64 = 1e-12;
-
-/// Roundings of gaps, 1e-17 m, are velocities in steps that are shorter than this (s).
-const SHORTEST: f64 = 1e-8;
 
 /// A step on closed contacts that would have to be shorter than this (s) fails, because roundings of gaps are forces as large as weights in it.
 const NO_DIGITS: f64 = 1e-9;

@@ -35,6 +35,8 @@ pub(crate) const RATE_AFTER_IMPACT: f64 = 1e-9;
 pub(crate) const AT_EVENT: f64 = 1e-11;
 /// The way under constant accelerations ends at gaps of this part of what a pair is made of: some roundings.
 pub(crate) const BALLISTIC_GAP: f64 = 1e-15;
+/// Roundings of gaps, 1e-17 m, are velocities in steps on closed contacts that are shorter than this (s).
+pub(crate) const SHORTEST: f64 = 1e-8;
 /// A joint that is beyond a limit by more than this is not there by rounding (rad or m).
 pub(crate) const BEYOND_LIMIT: f64 = 1e-12;
 
