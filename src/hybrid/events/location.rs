@@ -191,6 +191,7 @@ impl Eventful {
                 self.workspaces.active_mut().go_back(since, &self.model.recipe);
                 return Ok(Located::At(self.overlaps_at_start(bracket.watched)));
             }
+            self.trial.parts.clear();
             if !self.end_at(inputs, since, bracket, outcome)? {
                 let force = self.trial.watched[bracket.watched].is_force();
                 return Ok(Located::Jumps(if force { Rejected::ForceJump } else { Rejected::NotSmooth }));
@@ -213,6 +214,8 @@ impl Eventful {
         let meets = |index: usize| {
             let watched = self.trial.watched[index];
             let allowed = match (watched, margin) {
+                // Roundings of what the bodies weigh are all that is left of it.
+                (Watched::Presses(contact), Some(_)) if self.trial.holding.is_unloaded(contact) => f64::INFINITY,
                 // The smallest forces are the margin, and end with it: these contacts part together.
                 (Watched::Presses(_), Some(left)) => {
                     let rounding = watched.rounding(&self.trial.holding);
@@ -233,6 +236,7 @@ impl Eventful {
         };
         let all = (0..self.trial.watched.len()).filter(|&index| meets(index)).map(|index| self.trial.watched[index]);
         let mut all: Vec<Watched> = all.collect();
+        all.extend(self.trial.parts.iter().filter(|part| !all.contains(part)).copied().collect::<Vec<_>>());
         self.leave_unloaded(inputs, since, bracket.watched, &mut all);
         let turned: Vec<Option<Turned>> = all.iter().map(|watched| self.turns(since, *watched)).collect();
         if end - since > SHORT && turned.contains(&Some(Turned::Slowly)) {
@@ -304,6 +308,7 @@ impl Eventful {
         for attempt in 0..ATTEMPTS {
             // So near to the start it is there.
             if length <= self.shortest(since) {
+                self.see_what_parts(inputs, since, bracket.watched);
                 self.workspaces.active_mut().go_back(since, &self.model.recipe);
                 return Ok(true);
             }

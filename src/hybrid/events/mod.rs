@@ -56,6 +56,7 @@ mod modes;
 mod moving;
 mod nearing;
 mod next_step;
+mod parting;
 mod parts;
 mod quiet;
 mod ringing;

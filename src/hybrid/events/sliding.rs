@@ -12,7 +12,7 @@ use crate::events::finding::watched::Watched;
 use crate::events::forces::closed_forces::{Slipping, What, slipping};
 use crate::events::integrator::{Eventful, InUse};
 use crate::events::modes::mode::Closed;
-use crate::events::modes::tolerances::{BRIEF_SLIP, STOPPED_SLIP, slip_at_rest};
+use crate::events::modes::tolerances::{BRIEF_SLIP, SHORTEST, STOPPED_SLIP, direction_of_slip, slip_at_rest};
 use crate::events::parts::crowding::JAM_STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
@@ -48,9 +48,6 @@ const SLOWER: f64 = 0.25;
 pub(super) const JAM: f64 = 1e-7;
 /// Closed contacts overlap by no more at the end of a step (m).
 const OVERLAP: f64 = 1e-12;
-
-/// Roundings of gaps, 1e-17 m, are velocities in steps that are shorter than this (s).
-const SHORTEST: f64 = 1e-8;
 
 /// A step on closed contacts that would have to be shorter than this (s) fails, because roundings of gaps are forces as large as weights in it.
 const NO_DIGITS: f64 = 1e-9;
@@ -217,9 +214,7 @@ impl Eventful {
         for closed in &self.mode.contacts {
             let begins = closed.slides.unwrap_or_default();
             let slip = touch_motion(&closed.contact.joint, &self.trial.bodies).slip;
-            // Slower than rest it has no direction of its own.
-            let moving = slip.norm() > slip_at_rest(self.memory.fastest);
-            self.trial.slips.push(slip.try_normalize(0.0).filter(|_| moving).unwrap_or(begins));
+            self.trial.slips.push(direction_of_slip(&slip, begins, slip_at_rest(self.memory.fastest)));
             self.trial.turns.push(self.turning_now(closed));
             self.trial.begins.push(slip);
         }

@@ -1,7 +1,7 @@
 //! The contacts of an event: which of them meet, as elements of the impact problem, and how they come to rest.
 //!
 //! ```text
-//!     met:      n, t₁, t₂ of every contact with |φ| ≤ 1e-11 of its size
+//!     met:      n, t₁, t₂ of every contact with |φ| ≤ 1e-11 of its size, or of a pair that rebounds with φ ≤ −1e-8 φ̇ and 1e-9 of its size
 //!     closed:   γ = φ̇ ≤ rest                          it may stay
 //!     at rest:  closed, and |u_T| ≤ rest              friction may hold it
 //! ```
@@ -17,7 +17,7 @@ use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gain
 use crate::events::finding::watched::Watched;
 use crate::events::modes::mode::{Closed, Mode};
 use crate::events::modes::tolerances::{
-    BEYOND_LIMIT, BRIEF_SLIP, SLIPS_TOGETHER, SLOWEST_SLIP, STOPPED_SLIP, slip_at_rest,
+    BEYOND_LIMIT, BRIEF_SLIP, SHORTEST, SLIPS_TOGETHER, SLOWEST_SLIP, STOPPED_SLIP, slip_at_rest,
 };
 use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::problem::Law;
@@ -113,8 +113,14 @@ impl Contacts {
             let many = closed().filter(|(_, closed)| closed.contact.flat_end().is_some()).count() > MOST_POINTS;
             if found.anew || many || before.idle.contains(&pair) || found.triggers.iter().any(happens) {
                 let within = if found.anew { of.closed_anew() } else { of.within(TOUCHED) };
-                let mut near: Vec<Contact> =
-                    touching.near(pair, &bodies, within).into_iter().map(|(contact, _)| contact).collect();
+                // Other places of a pair that rebounds, which would close sooner than a step can be solved, meet with the first. Without restitution they
+                // stay where the first has, in whichever order, and their gaps must not be closed by a motion.
+                let meets = of.restitution > 0.0 && found.triggers.contains(&Watched::Approach(pair));
+                let at_most = if meets { of.closed_anew() } else { within };
+                let rate = |contact: &Contact| touch_motion(&contact.joint, &bodies).rate;
+                let is_met = |(contact, gap): &(Contact, f64)| *gap <= within || *gap <= -rate(contact) * SHORTEST;
+                let near = touching.near(pair, &bodies, at_most).into_iter().filter(is_met);
+                let mut near: Vec<Contact> = near.map(|(contact, _)| contact).collect();
                 if closed().next().is_none() {
                     near = touching.slowest(pair, &bodies, within, near, contacts.rest);
                 }

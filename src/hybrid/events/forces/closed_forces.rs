@@ -16,6 +16,7 @@
 use crate::events::forces::chosen::Chosen;
 use crate::events::modes::mode::{Closed, JointMode};
 use crate::events::modes::present::Present;
+use crate::events::modes::tolerances::direction_of_slip;
 use crate::instant::cone::apart::blocks_joined;
 use crate::instant::cone::problem::{Law, Problem};
 use crate::instant::cone::{Known, margin_or_clear};
@@ -102,7 +103,7 @@ fn slide(closed: &Closed, bodies: &[BodyState], rest: f64) -> Option<[f64; 2]> {
     let begins = closed.slides?;
     let touch = touch_motion(&closed.contact.joint, bodies);
     let [first, second] = tangents(&touch.normal);
-    let direction = touch.slip.try_normalize(SLOWEST.max(rest)).unwrap_or(begins);
+    let direction = direction_of_slip(&touch.slip, begins, SLOWEST.max(rest));
     let along = [direction.dot(&first), direction.dot(&second)];
     let length = along[0].hypot(along[1]).max(f64::MIN_POSITIVE);
     Some(along.map(|part| part / length))

@@ -32,6 +32,8 @@ pub(crate) struct StepTrial {
     pub inside: InsideBodies,
     /// The functions whose sign is watched.
     pub watched: Vec<Watched>,
+    /// The contacts that part where the step begins, because their pressures end in less time than a step can be solved in.
+    pub parts: Vec<Watched>,
     /// Functions whose zero at the start of the step is no event.
     pub fresh_joints: Vec<bool>,
     pub fresh_motors: Vec<bool>,
@@ -78,6 +80,7 @@ impl StepTrial {
             evaluated: Evaluated::default(),
             inside: InsideBodies::default(),
             watched: Vec::new(),
+            parts: Vec::new(),
             fresh_joints: vec![false; elements.joints.len()],
             fresh_motors: vec![false; elements.motors.len()],
             fresh_pairs: PerPair::default(),
