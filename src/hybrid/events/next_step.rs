@@ -1,6 +1,5 @@
 //! The kind of the next step, and how a step ended: each is decided in one place, for the loop in [`crate::events::steps`].
 
-use crate::events::finding::speeds::speed_of;
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::events::parts::model::HybridModel;
@@ -91,9 +90,15 @@ impl Eventful {
         if passed.peek().is_none() {
             return f64::INFINITY;
         }
-        let bodies = body_states(whole, state);
+        // Wheels that roll from one box to the next move fast, and close no gap.
+        let mut later = state.clone();
+        later.displace(whole, &state.velocity.iter().map(|rate| BLIND_TO_BOUNDS * rate).collect::<Vec<_>>());
+        let bodies = [state, &later].map(|state| body_states(whole, state));
         let closing = passed.map(|watched| match *watched {
-            Watched::Approach(pair) => speed_of(&touching.pairs[pair], &bodies),
+            Watched::Approach(pair) => {
+                let [now, then] = [0, 1].map(|when| touching.gap(pair, &bodies[when]));
+                (now - then) / BLIND_TO_BOUNDS
+            }
             Watched::Gap(joint, _) => elements.joints[joint].rate(state).abs(),
             _ => 0.0,
         });
