@@ -1,14 +1,14 @@
 //! Sign changes that are no events: rates and efforts ring where hard dampers hold joints.
 //!
 //! ```text
-//!     c Y h > 1:     the transient of a joint that moves is shorter than the step h, and the scheme keeps it as an oscillation
+//!     c Y h > 10:    the transient of a joint that moves is shorter than the step h, and the scheme keeps it as an oscillation
 //!     S = {moving joints with hard dampers} ∪ {held joints},     D f = −a_S,     q̇_s = q̇ − f / c,     λ_s = f
 //! ```
 //!
 //! c is the damping of a joint by its own damper and motors [N m s/rad], Y its mobility [1/(kg m²)], a the accelerations under all efforts except at
 //! held joints, and D = W Y Wᵀ the mobility of S. q̇_s are the rates and λ_s the efforts of held joints [N m] once the transient is over. A joint whose q̇_s
 //! goes on, or whose λ_s holds it, has no event where q̇ or λ are zero: it would stop and slip, or part from its limit and meet it, in step after step.
-//! Trees without contacts are looked at.
+//! f changes its sign within the step where rates ring, and keeps it where a slow motion lags behind. Trees without contacts are looked at.
 
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
@@ -18,6 +18,9 @@ use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::state::State;
 use nalgebra::DVector;
+
+/// Steps over the time constant of a hard damper.
+const HARD: f64 = 10.0;
 
 /// A freedom that moves against a hard damper, with c, or one that is held.
 struct Member {
@@ -38,12 +41,25 @@ impl Eventful {
         if dampings.iter().all(|(_, damping)| *damping == 0.0) {
             return false;
         }
-        let length = self.workspaces.active().small.time - since;
-        self.evaluate(inputs, since, Inside::at(time), &[number], &mut [0.0]);
-        let state = self.trial.sample.clone();
+        let end = self.workspaces.active().small.time;
+        let length = end - since;
+        let at = |this: &mut Self, time: f64| {
+            this.evaluate(inputs, since, Inside::at(time), &[number], &mut [0.0]);
+            let state = this.trial.sample.clone();
+            this.settled(inputs, &state, length, &dampings).map(|settled| (state, settled))
+        };
+        let Some((state, settled)) = at(self, time) else { return false };
+        // A slow motion lags behind its settled rates with one sign.
+        let others = [since, since + 0.5 * length, end].map(|time| at(self, time));
+        let rings = |number: usize, force: f64| {
+            others.iter().flatten().any(|(_, other)| other.get(number).is_some_and(|(_, there)| there * force < 0.0))
+        };
+        let hard = settled.iter().enumerate().filter(|(_, (member, _))| member.damping.is_some());
+        if !hard.clone().any(|(number, (_, force))| rings(number, *force)) {
+            return false;
+        }
         let joint = &self.model.elements.joints[index];
         let (own, (low, high)) = (joint.coordinate.freedom, self.mode.joints[index].holding(joint));
-        let Some(settled) = self.settled(inputs, &state, length, &dampings) else { return false };
         let Some((member, force)) = settled.iter().find(|(member, _)| member.freedom == own) else { return false };
         match (watched, self.mode.joints[index], member.damping) {
             (Watched::Slide(_), JointMode::Free { sliding }, Some(damping)) => {
@@ -78,7 +94,7 @@ impl Eventful {
         let hard = dampings
             .iter()
             .zip(mobilities)
-            .filter(|((freedom, damping), mobility)| damping * mobility * length > 1.0 && !held.contains(freedom));
+            .filter(|((freedom, damping), mobility)| damping * mobility * length > HARD && !held.contains(freedom));
         let hard = hard.map(|(&(freedom, damping), _)| Member { freedom, damping: Some(damping) });
         let mut members: Vec<Member> = hard.collect();
         if members.is_empty() {
