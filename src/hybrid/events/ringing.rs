@@ -22,6 +22,9 @@ use nalgebra::DVector;
 /// Steps over the time constant of a hard damper.
 const HARD: f64 = 10.0;
 
+/// Instants of a step at which it is looked for what rings.
+const SAMPLES: usize = 9;
+
 /// A freedom that moves against a hard damper, with c, or one that is held.
 struct Member {
     freedom: usize,
@@ -50,7 +53,8 @@ impl Eventful {
         };
         let Some((state, settled)) = at(self, time) else { return false };
         // A slow motion lags behind its settled rates with one sign.
-        let others = [since, since + 0.5 * length, end].map(|time| at(self, time));
+        let others: [_; SAMPLES] =
+            std::array::from_fn(|sample| at(self, since + length * sample as f64 / (SAMPLES - 1) as f64));
         let rings = |number: usize, force: f64| {
             others.iter().flatten().any(|(_, other)| other.get(number).is_some_and(|(_, there)| there * force < 0.0))
         };
