@@ -49,7 +49,7 @@ impl Eventful {
     }
 
     /// Puts the sample there.
-    fn go_to(&mut self, instant: Inside) {
+    pub(super) fn go_to(&mut self, instant: Inside) {
         let Eventful {
             model: HybridModel { whole, .. },
             workspaces: Workspaces { pieces, current, .. },

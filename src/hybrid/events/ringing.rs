@@ -16,7 +16,6 @@ use crate::events::modes::instants::Inside;
 use crate::events::modes::mode::{JointMode, MotorMode};
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::Inputs;
-use crate::mechanism::motion::state::State;
 use nalgebra::DVector;
 
 /// Steps over the time constant of a hard damper.
@@ -40,78 +39,69 @@ impl Eventful {
         if !(whole.loops.is_empty() && whole.mimics.is_empty() && self.mode.contacts.is_empty()) {
             return false;
         }
-        let dampings = self.dampings();
-        if dampings.iter().all(|(_, damping)| *damping == 0.0) {
-            return false;
-        }
-        let end = self.workspaces.active().small.time;
-        let length = end - since;
-        let at = |this: &mut Self, time: f64| {
-            this.evaluate(inputs, since, Inside::at(time), &[number], &mut [0.0]);
-            let state = this.trial.sample.clone();
-            this.settled(inputs, &state, length, &dampings).map(|settled| (state, settled))
-        };
-        let Some((state, settled)) = at(self, time) else { return false };
-        // A slow motion lags behind its settled rates with one sign.
-        let others: [_; SAMPLES] =
-            std::array::from_fn(|sample| at(self, since + length * sample as f64 / (SAMPLES - 1) as f64));
-        let rings = |number: usize, force: f64| {
-            others.iter().flatten().any(|(_, other)| other.get(number).is_some_and(|(_, there)| there * force < 0.0))
-        };
-        let hard = settled.iter().enumerate().filter(|(_, (member, _))| member.damping.is_some());
-        if !hard.clone().any(|(number, (_, force))| rings(number, *force)) {
-            return false;
-        }
+        let length = self.workspaces.active().small.time - since;
+        let members = self.members(time, length);
+        let Some(forces) = self.settled(inputs, since, time, &members) else { return false };
         let joint = &self.model.elements.joints[index];
         let (own, (low, high)) = (joint.coordinate.freedom, self.mode.joints[index].holding(joint));
-        let Some((member, force)) = settled.iter().find(|(member, _)| member.freedom == own) else { return false };
-        match (watched, self.mode.joints[index], member.damping) {
+        let Some(place) = members.iter().position(|member| member.freedom == own) else { return false };
+        let force = forces[place];
+        let goes_on = match (watched, self.mode.joints[index], members[place].damping) {
             (Watched::Slide(_), JointMode::Free { sliding }, Some(damping)) => {
-                f64::from(sliding) * (state.velocity[own] - force / damping) > 0.0
+                f64::from(sliding) * (self.trial.sample.velocity[own] - force / damping) > 0.0
             }
-            (Watched::Bears(_, Side::Lower), _, None) => *force > low,
-            (Watched::Bears(_, Side::Upper), _, None) => *force < high,
+            (Watched::Bears(_, Side::Lower), _, None) => force > low,
+            (Watched::Bears(_, Side::Upper), _, None) => force < high,
             _ => false,
-        }
+        };
+        // A slow motion lags behind its settled rates with one sign.
+        let turns = |there: &DVector<f64>| {
+            let pairs = members.iter().zip(forces.iter().zip(there));
+            pairs.into_iter().any(|(member, (force, there))| member.damping.is_some() && force * there < 0.0)
+        };
+        let mut samples = (0..SAMPLES).map(|sample| since + length * sample as f64 / (SAMPLES - 1) as f64);
+        goes_on && samples.any(|time| self.settled(inputs, since, time, &members).is_some_and(|there| turns(&there)))
     }
 
-    /// S with f [N m or N]; `None` if no damper is hard in a step of this length (s), or D is singular.
-    fn settled(
-        &mut self,
-        inputs: Inputs,
-        state: &State,
-        length: f64,
-        dampings: &[(usize, f64)],
-    ) -> Option<Vec<(Member, f64)>> {
-        let elements = &self.model.elements;
-        let mut efforts = self.mode.driving_efforts(elements, inputs, state);
-        let mut held = Vec::new();
-        for (joint, mode) in elements.joints.iter().zip(&self.mode.joints) {
-            let freedom = joint.coordinate.freedom;
-            match mode {
-                JointMode::Free { sliding } => efforts[freedom] -= f64::from(*sliding) * joint.friction,
-                JointMode::Held { .. } => held.push(freedom),
-            }
+    /// S at a time (s) in a step of this length (s); empty if no damper is hard.
+    fn members(&mut self, time: f64, length: f64) -> Vec<Member> {
+        let dampings = self.dampings();
+        if dampings.is_empty() {
+            return Vec::new();
         }
-        let response = &mut self.workspaces.response;
-        let mobilities = response.diagonal(state, dampings.iter().map(|(freedom, _)| *freedom));
+        self.go_to(Inside::at(time));
+        let held = self.model.elements.joints.iter().zip(&self.mode.joints);
+        let held = held.filter(|(_, mode)| matches!(mode, JointMode::Held { .. }));
+        let held: Vec<usize> = held.map(|(joint, _)| joint.coordinate.freedom).collect();
+        let freedoms = dampings.iter().map(|(freedom, _)| *freedom);
+        let mobilities = self.workspaces.response.diagonal(&self.trial.sample, freedoms);
         let hard = dampings
-            .iter()
+            .into_iter()
             .zip(mobilities)
             .filter(|((freedom, damping), mobility)| damping * mobility * length > HARD && !held.contains(freedom));
-        let hard = hard.map(|(&(freedom, damping), _)| Member { freedom, damping: Some(damping) });
-        let mut members: Vec<Member> = hard.collect();
+        let mut members: Vec<Member> =
+            hard.map(|((freedom, damping), _)| Member { freedom, damping: Some(damping) }).collect();
+        if !members.is_empty() {
+            members.extend(held.into_iter().map(|freedom| Member { freedom, damping: None }));
+        }
+        members
+    }
+
+    /// f of these members at a time (s) in a step from `since` [N m or N]; `None` if there are none, or D is singular.
+    fn settled(&mut self, inputs: Inputs, since: f64, time: f64, members: &[Member]) -> Option<DVector<f64>> {
         if members.is_empty() {
             return None;
         }
-        members.extend(held.into_iter().map(|freedom| Member { freedom, damping: None }));
-        let freedoms: Vec<usize> = members.iter().map(|member| member.freedom).collect();
+        self.go_to(Inside::at(time));
+        let (state, response) = (&self.trial.sample, &mut self.workspaces.response);
+        let mut efforts = vec![0.0; state.velocity.len()];
+        self.mode.efforts_at(&self.model.elements, inputs, since, state, &mut efforts);
         let mut accelerations = vec![0.0; efforts.len()];
         response.accelerations(state, &efforts, &mut accelerations);
+        let freedoms: Vec<usize> = members.iter().map(|member| member.freedom).collect();
         let (_, square) = response.matrix(state, &freedoms);
         let wanted = DVector::from_iterator(freedoms.len(), freedoms.iter().map(|&freedom| -accelerations[freedom]));
-        let forces = square.cholesky()?.solve(&wanted);
-        Some(members.into_iter().zip(forces.iter().copied()).collect())
+        square.cholesky().map(|factor| factor.solve(&wanted))
     }
 
     /// The freedoms that dampers or motors within their bounds damp, with c [N m s/rad or N s/m].
@@ -120,8 +110,9 @@ impl Eventful {
         let motors = self.model.elements.motors.iter().zip(&self.mode.motors);
         let motors = motors.filter(|(_, mode)| **mode == MotorMode::Unbounded);
         let motors = motors.map(|(motor, _)| (motor.coordinate.freedom, motor.law.gains().1));
+        let damped = dampers.chain(motors).filter(|(_, damping)| *damping > 0.0);
         let mut all: Vec<(usize, f64)> = Vec::new();
-        for (freedom, damping) in dampers.chain(motors) {
+        for (freedom, damping) in damped {
             match all.iter_mut().find(|(known, _)| *known == freedom) {
                 Some((_, sum)) => *sum += damping,
                 None => all.push((freedom, damping)),

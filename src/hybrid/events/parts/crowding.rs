@@ -72,7 +72,7 @@ pub(crate) struct Crowding {
     spell: (f64, f64),
 }
 
-/// Work of iterations, work of decisions of modes in the same unit, events, impacts and slips that are not slow, instants in all at which a motion breaks, and steps
+/// Work of iterations, work of decisions of modes in the same unit, events, slips that are not slow, impacts, instants in all at which a motion breaks, and steps
 /// that slips have made short, since a time (s).
 #[derive(Clone, Copy, Debug)]
 struct Labour {
@@ -139,7 +139,6 @@ impl Crowding {
         labour.slips += usize::from(ended == Ended::AtSlip);
         if let Ended::AtEvent { decided, impact } = ended {
             labour.events += 1;
-            labour.lively += usize::from(impact);
             labour.impacts += usize::from(impact);
             labour.decided += decided;
         }
@@ -182,7 +181,7 @@ impl Crowding {
 
     /// Whether impacts or slips that are not slow are among what is counted now.
     pub fn is_lively(&self) -> bool {
-        self.labour.lively > 0
+        self.labour.impacts + self.labour.lively > 0
     }
 
     /// Counts the labour anew.

@@ -13,7 +13,7 @@ use crate::mechanism::motion::state::State;
 use crate::simulation::parallel::island::{IslandRun, frontier, put_held};
 use crate::simulation::steps::course::{RunError, RunOptions, held_at};
 use crate::simulation::steps::observer::{Observer, Sample, StepEnd, show};
-use crate::simulation::steps::summary::{KEPT_EVENTS, Summary, held, moved_by_motors, pushes};
+use crate::simulation::steps::summary::{KEPT_EVENTS, Summary, moved_by_motors};
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use std::collections::VecDeque;
 use std::sync::atomic::Ordering;
@@ -58,22 +58,14 @@ pub(crate) struct MergedRun {
 impl MergedRun {
     pub(crate) fn new(mechanism: &Mechanism, state: &State, options: &RunOptions) -> Self {
         let bodies = body_states(mechanism, state);
-        let initial = energy_with_forces(mechanism, &state.position, &bodies);
-        let (held, pulled) = held(mechanism, state);
+        let summary = Summary::at_start(mechanism, state, &bodies);
+        let initial = summary.initial_energy;
         MergedRun {
             start: state.time,
             end: state.time + options.duration,
             sampled: options.rate.is_some(),
             state: State { compensation: vec![0.0; state.position.len()], ..state.clone() },
-            summary: Summary {
-                initial_energy: initial,
-                final_energy: initial,
-                pushes: pushes(mechanism, state, initial.spring),
-                held,
-                pulled,
-                max_violation: violation(mechanism, state, &bodies),
-                ..Summary::default()
-            },
+            summary,
             bodies,
             kinetic: initial.kinetic,
             deviation: 0.0,

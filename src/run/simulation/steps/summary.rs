@@ -62,6 +62,26 @@ const AT_REST: f64 = 1e-9;
 pub(crate) const KEPT_EVENTS: usize = 1000;
 
 impl Summary {
+    /// The figures before the first step from a state.
+    pub(crate) fn at_start(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> Self {
+        let initial = energy_with_forces(mechanism, &state.position, bodies);
+        let mut summary = Summary {
+            initial_energy: initial,
+            final_energy: initial,
+            max_violation: violation(mechanism, state, bodies),
+            ..Summary::default()
+        };
+        summary.see_forces(mechanism, state, initial.spring);
+        summary
+    }
+
+    /// Takes what forces push and motors hold with in a state with this energy of springs (J).
+    fn see_forces(&mut self, mechanism: &Mechanism, state: &State, stored: f64) {
+        let (held, pulled) = held(mechanism, state);
+        self.pushes = self.pushes.max(pushes(mechanism, state, stored));
+        (self.held, self.pulled) = (self.held.max(held), self.pulled.max(pulled));
+    }
+
     /// Counts an accepted step, with the constraint errors at its end.
     pub(crate) fn count(&mut self, outcome: &StepOutcome, violation: Violation) {
         self.steps += 1;
@@ -107,24 +127,15 @@ pub(crate) struct Bookkeeper {
 
 impl Bookkeeper {
     pub fn new(mechanism: &Mechanism, state: &State, bodies: &[BodyState]) -> Self {
-        let initial = energy_with_forces(mechanism, &state.position, bodies);
-        let violation = violation(mechanism, state, bodies);
-        let (held, pulled) = held(mechanism, state);
+        let summary = Summary::at_start(mechanism, state, bodies);
+        let initial = summary.initial_energy;
         Bookkeeper {
-            summary: Summary {
-                initial_energy: initial,
-                final_energy: initial,
-                pushes: pushes(mechanism, state, initial.spring),
-                held,
-                pulled,
-                max_violation: violation,
-                ..Summary::default()
-            },
+            summary,
             last: StepEnd {
                 time: state.time,
                 energy: initial,
                 exchange: Exchange::default(),
-                violation,
+                violation: summary.max_violation,
                 outcome: StepOutcome::default(),
                 so_far: Counts::default(),
             },
@@ -151,9 +162,7 @@ impl Bookkeeper {
         // Energy that impacts took was kinetic before, also if the step ends with them.
         self.largest_kinetic = self.largest_kinetic.max(energy.kinetic + outcome.exchange.impacts.max(0.0));
         summary.largest_kinetic = self.largest_kinetic;
-        summary.pushes = summary.pushes.max(pushes(mechanism, state, energy.spring));
-        let (held, pulled) = held(mechanism, state);
-        (summary.held, summary.pulled) = (summary.held.max(held), summary.pulled.max(pulled));
+        summary.see_forces(mechanism, state, energy.spring);
         let balance = energy.total() - summary.initial_energy.total() + exchange.lost();
         self.largest_deviation = worse(self.largest_deviation, balance.abs());
         summary.max_energy_error = self.largest_deviation;
@@ -171,7 +180,7 @@ pub(crate) fn moved_by_motors(exchange: &Exchange, energy: &Energy) -> f64 {
 }
 
 /// The energy that springs of motors store in a state, up to their bounds (J), and what they pull with, added up [N or N m].
-pub(crate) fn held(mechanism: &Mechanism, state: &State) -> (f64, f64) {
+fn held(mechanism: &Mechanism, state: &State) -> (f64, f64) {
     let motors = mechanism.nonsmooth.motors.iter().filter(|motor| matches!(motor.law, MotorLaw::Position { .. }));
     motors.fold((0.0, 0.0), |(stored, pulled), motor| {
         let stretch = (motor.target.value(state.time) - state.position[motor.coordinate.position]).abs();
@@ -181,7 +190,7 @@ pub(crate) fn held(mechanism: &Mechanism, state: &State) -> (f64, f64) {
 }
 
 /// Sum of the sizes of all forces of a mechanism in a state [N or N m]; `stored` is the energy of its springs (J).
-pub(crate) fn pushes(mechanism: &Mechanism, state: &State, stored: f64) -> f64 {
+fn pushes(mechanism: &Mechanism, state: &State, stored: f64) -> f64 {
     let motors = mechanism.nonsmooth.motors.iter().map(|motor| {
         let Coordinate { position, freedom, .. } = motor.coordinate;
         motor.effort(state.time, state.position[position], state.velocity[freedom]).abs()
