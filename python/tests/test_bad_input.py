@@ -62,6 +62,22 @@ def test_numbers_that_no_run_can_have_are_refused_before_one_is_asked_for(arm):
             catena.Sim(arm, **options)
 
 
+def test_what_is_no_model_or_no_number_is_named(arm):
+    with pytest.raises(catena.InputError, match="model is 'arm.urdf': give a catena.Model"):
+        catena.Sim("arm.urdf")
+    for options, message in (
+        ({"tolerance": "fine"}, "tolerance is 'fine': must be a number"),
+        ({"stages": "3", "step": 0.1}, "stages is '3': must be a number"),
+        ({"stages": 2.5, "step": 0.1}, "stages is 2.5: must be a whole number, 2 to 16 of the scheme, or 1"),
+    ):
+        with pytest.raises(catena.InputError, match=message):
+            catena.Sim(arm, **options)
+    assert catena.Sim(arm, stages=3.0, step=0.01).run(0.1).t[-1] == pytest.approx(0.1)
+    # Nothing reads it: a controller is given to set_controller.
+    with pytest.raises(AttributeError, match="controller"):
+        catena.Sim(arm).controller = print
+
+
 def test_wrong_options_together(arm):
     with pytest.raises(catena.InputError, match="a tolerance, or stages and step"):
         catena.Sim(arm, tolerance=1e-6, step=0.1)
