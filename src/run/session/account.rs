@@ -191,7 +191,7 @@ impl Begun {
             .chain(accuracy.as_ref().and_then(AccuracyReport::energy_warning))
             .chain(ringing_warning(&method))
             .chain(singular_warning(&method))
-            .chain(unsolved_warning(&method, duration))
+            .chain(unsolved_warning(&method, duration, accuracy.as_ref().is_some_and(|accuracy| accuracy.reached)))
             .chain(contact.outside.clone())
             .chain(contact.overlapping.clone())
             .chain(speeds.iter().flat_map(|speeds| speeds.warning()))

@@ -8,6 +8,8 @@ use serde::Serialize;
 
 /// Steps of first order that take less of the motion than this part of the accuracy, over 1 m/s, are not felt.
 const FELT: f64 = 1e-3;
+/// The same in a run whose estimate tells that it keeps to the accuracy.
+const FELT_BESIDE_AN_ESTIMATE: f64 = 1.0;
 
 /// The scheme of a run.
 #[derive(Clone, Debug, Serialize)]
@@ -148,7 +150,7 @@ impl CrowdReport {
 
 /// The part of a duration that a time is; zero of an empty run.
 fn share(time: f64, duration: f64) -> f64 {
-    if time > 0.0 { time / duration } else { 0.0 }
+    if time > 0.0 && duration > 0.0 { time / duration } else { 0.0 }
 }
 
 /// The warning of steps that are too long for a damper to stop a motion.
@@ -182,18 +184,25 @@ pub(crate) fn singular_warning(description: &MethodDescription) -> Option<String
 /// Whether the accuracy of a run feels its steps of first order: what moves at 1 m/s goes on by more than a thousandth of it in them. Given steps have
 /// none, and feel all, unless they are to be of first order.
 pub(crate) fn first_order_is_felt(description: &MethodDescription) -> bool {
+    first_order_moves_more_than(FELT, description)
+}
+
+/// Whether what moves at 1 m/s goes on in steps of first order by more than this part of the accuracy.
+fn first_order_moves_more_than(part: f64, description: &MethodDescription) -> bool {
     let time = description.first_order_time;
     description.first_order_steps > 0
         && description.stages != StepChoice::OVER_EVENTS
-        && description.tolerance.is_none_or(|tolerance| time > FELT * tolerance)
+        && description.tolerance.is_none_or(|tolerance| time > part * tolerance)
 }
 
-/// The warning of contacts that were too many or too contradictory for the solver in a run of this duration (s).
-pub(crate) fn unsolved_warning(description: &MethodDescription, duration: f64) -> Option<String> {
+/// The warning of contacts that were too many or too contradictory for the solver in a run of this duration (s), which has `reached` its accuracy as far as
+/// it is known.
+pub(crate) fn unsolved_warning(description: &MethodDescription, duration: f64, reached: bool) -> Option<String> {
     let &MethodDescription { unsolved_contacts: unsolved, first_order_steps: steps, first_order_time: time, .. } =
         description;
     let asleep = description.first_order_asleep;
-    let crowded = first_order_is_felt(description).then(|| {
+    let felt = if reached { FELT_BESIDE_AN_ESTIMATE } else { FELT };
+    let crowded = first_order_moves_more_than(felt, description).then(|| {
         let steps = counted(steps, "first-order step", "first-order steps");
         format!(
             "contacts changed faster than steps could follow: the run took {steps}, {} % of its time{}",
@@ -231,6 +240,7 @@ mod tests {
             unsolved_warning(
                 &MethodDescription { unsolved_contacts, first_order_steps, first_order_time: 0.25, ..method },
                 2.0,
+                false,
             )
         };
         assert_eq!(warning(0, 0), None);
@@ -246,14 +256,16 @@ mod tests {
 
     #[test]
     fn steps_of_first_order_in_which_nothing_moves_as_far_as_the_accuracy_are_not_said() {
-        let said = |first_order_time: f64, tolerance: Option<f64>| {
+        let said = |first_order_time: f64, tolerance: Option<f64>, reached: bool| {
             let method = MethodDescription::fixed("lobatto", 3, 4, 0.01);
-            unsolved_warning(&MethodDescription { first_order_steps: 1, first_order_time, tolerance, ..method }, 2.0)
-                .is_some()
+            let method = MethodDescription { first_order_steps: 1, first_order_time, tolerance, ..method };
+            unsolved_warning(&method, 2.0, reached).is_some()
         };
         // 1 m/s moves 1e-12 m in 1e-12 s, a part of 1e-6 of the accuracy.
-        assert!(!said(1e-12, Some(1e-6)));
-        assert!(said(1e-8, Some(1e-6)), "a hundredth of it");
-        assert!(said(1e-12, None), "given steps have no accuracy");
+        assert!(!said(1e-12, Some(1e-6), false));
+        assert!(said(1e-8, Some(1e-6), false), "a hundredth of it");
+        assert!(!said(1e-6, Some(1e-6), true), "an estimate tells that no more comes of it");
+        assert!(said(2e-6, Some(1e-6), true), "more than the accuracy");
+        assert!(said(1e-12, None, false), "given steps have no accuracy");
     }
 }

@@ -3,7 +3,7 @@
 use crate::instant::meeting::Meeting;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::description::nonsmooth::HeldEffort;
-use crate::mechanism::motion::integrator::MethodDescription;
+use crate::mechanism::motion::integrator::{Integrator, MethodDescription};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::structure::islands::Island;
@@ -44,6 +44,8 @@ pub(crate) struct Groups<'a> {
     pub(super) gone: Option<(MethodDescription, usize)>,
     /// The times of such steps over events, and asleep in these, and over slips (s), for each body of the whole.
     stepped: Vec<[f64; 3]>,
+    /// The same for each group where the present time of the groups began.
+    began: Vec<[f64; 3]>,
 }
 
 impl<'a> Groups<'a> {
@@ -64,6 +66,7 @@ impl<'a> Groups<'a> {
             aimed: Vec::new(),
             gone: None,
             stepped: vec![[0.0; 3]; mechanism.bodies.len()],
+            began: Vec::new(),
         })
     }
 
@@ -75,9 +78,21 @@ impl<'a> Groups<'a> {
         self.stepped.fill([0.0; 3]);
     }
 
-    /// Takes the times of steps over events and slips out of the method of a group that is no more, for its bodies.
-    pub(super) fn take_times(&mut self, island: &Island, method: &mut MethodDescription) {
-        let times = times_of(method).map(std::mem::take);
+    /// Sees the times of steps over events and slips of each group, to which one goes back whose bodies meet others.
+    pub(super) fn see_times(&mut self, parts: &[IslandRun]) {
+        let times = |part: &IslandRun| {
+            let method = part.awake.as_ref().map(EstimatedRun::description);
+            method.map_or([0.0; 3], |mut method| times_of(&mut method).map(std::mem::take))
+        };
+        self.began.clear();
+        self.began.extend(parts.iter().map(times));
+    }
+
+    /// Takes the times of steps over events and slips out of the method of a group that is no more, for its bodies; those where the present time of the
+    /// groups began if the group, by its number, goes `back` to there.
+    pub(super) fn take_times(&mut self, number: usize, island: &Island, method: &mut MethodDescription, back: bool) {
+        let made = times_of(method).map(std::mem::take);
+        let times = if back { self.began[number] } else { made };
         for body in 0..island.mechanism.bodies.len() {
             let own = &mut self.stepped[island.body_of_whole(body)];
             own.iter_mut().zip(times).for_each(|(sum, time)| *sum += time);
@@ -232,9 +247,12 @@ mod tests {
         for (numbers, time) in [([0, 0, 1], 0.2), ([0, 1, 1], 0.3)] {
             let number = usize::from(numbers[1] == 1);
             let mut gone = method(time);
-            groups.take_times(&group(&balls, &numbers, number), &mut gone);
+            groups.take_times(number, &group(&balls, &numbers, number), &mut gone, false);
             assert_eq!((gone.first_order_time, gone.first_order_asleep), (0.0, 0.0));
         }
+        // One that goes back to where it began takes no time, whatever it has done since.
+        groups.began = vec![[0.0; 3]];
+        groups.take_times(0, &group(&balls, &[0, 0, 0], 0), &mut method(0.7), true);
         let mut all = method(0.1);
         groups.add_times(&group(&balls, &[0, 0, 0], 0), &mut all);
         assert!((all.first_order_time - 0.6).abs() < 1e-15 && (all.first_order_asleep - 0.3).abs() < 1e-15);

@@ -95,6 +95,7 @@ impl<'a> Islands<'a> {
             let next = if end - next < SLIVER * own.length { end } else { next };
             own.see_held(&self.parts, mechanism);
             own.measure_ways(&mut self.parts);
+            own.see_times(&self.parts);
             loop {
                 let ended = self.go_to(next, options);
                 if let Err(RunError::BeginsAgain { .. }) = ended {
@@ -120,6 +121,7 @@ impl<'a> Islands<'a> {
                 let joined = Division::joining(&own.groups, &met);
                 self.regroup(own, joined, Back::ToTheBeginning, mechanism, options, whole)?;
                 own.measure_ways(&mut self.parts);
+                own.see_times(&self.parts);
             }
             if self.parts.iter().all(|part| part.awake.is_none()) {
                 whole.show_rest(mechanism, next, options, observers)?;
@@ -191,11 +193,11 @@ impl<'a> Islands<'a> {
             part.begin_within(whole.start, options.duration, sampling_rate(options))?;
             self.parts.push(part);
         }
-        for part in old.iter().flatten() {
+        for (number, part) in old.iter().enumerate().filter_map(|(number, part)| Some((number, part.as_ref()?))) {
             whole.let_go(part);
             if let Some(run) = &part.awake {
                 let mut method = run.description();
-                own.take_times(&part.island, &mut method);
+                own.take_times(number, &part.island, &mut method, back == Back::ToTheBeginning);
                 own.gone = own.gone.take().into_iter().chain([(method, part.steps)]).reduce(Islands::add);
             }
         }
