@@ -86,6 +86,7 @@ mod robots_on_floor;
 mod ropes;
 mod rotors;
 mod scene_files;
+mod seams;
 mod self_contact;
 mod short_events;
 mod singular_places;

@@ -129,7 +129,7 @@ impl Eventful {
 
     /// Whether a contact of a pair is closed.
     pub(super) fn is_closed(&self, pair: usize) -> bool {
-        self.mode.contacts.iter().any(|closed| closed.contact.pair == pair)
+        self.mode.touching(pair).next().is_some()
     }
 
     /// The rest of the reserve of a pair at the end of the last step, of this length (s), if it lasts until there (m).

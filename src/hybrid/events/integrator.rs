@@ -116,6 +116,7 @@ impl Eventful {
             contacts: Vec::new(),
             idle: Vec::new(),
             unpressed: Vec::new(),
+            seams: Vec::new(),
         };
         let state = State::zero(mechanism);
         let nothing = Held::new(mechanism, &state, vec![false; mechanism.bodies.len()], &Closures::default());

@@ -10,6 +10,7 @@ mod locked;
 mod loops;
 mod robots;
 mod stacks;
+mod tiles;
 mod tossed;
 mod trees;
 
@@ -50,7 +51,7 @@ pub fn scene(seed: u64) -> Scene {
     let (turn, place) = (seed as usize / KINDS.len(), seed as usize % KINDS.len());
     // Every other tree on a floor is a robot that falls on itself; every other block that slides lands first, one in eight slides off a table, and one in
     // eight turns over its edge; every
-    // other ball that rolls is a cart; a heap stands for every other stack, a limp robot for one of three pairs of robots, and one with followers for every
+    // other ball that rolls is a cart, and one in four a body on tiles; a heap stands for every other stack, a limp robot for one of three pairs of robots, and one with followers for every
     // other chain of them.
     let (kind, make) = match KINDS[place] {
         ("tree on a floor", _) if turn % 2 == 1 => ("robot on itself", itself::robot as fn(&mut Draw, Scene) -> Scene),
@@ -59,6 +60,7 @@ pub fn scene(seed: u64) -> Scene {
         }
         ("slides", _) if turn % 4 == 2 => ("over an edge", edges::over_an_edge as fn(&mut Draw, Scene) -> Scene),
         ("slides", _) if turn % 2 == 1 => ("lands", balls::lands as fn(&mut Draw, Scene) -> Scene),
+        ("rolls", _) if turn % 4 == 2 => ("tiles", tiles::tiles as fn(&mut Draw, Scene) -> Scene),
         ("rolls", _) if turn % 2 == 1 => ("cart", carts::cart as fn(&mut Draw, Scene) -> Scene),
         ("stack", _) if turn % 2 == 1 => ("heap", heaps::heap as fn(&mut Draw, Scene) -> Scene),
         ("followers", _) if turn % 2 == 1 => {

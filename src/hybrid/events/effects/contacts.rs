@@ -48,6 +48,8 @@ pub(crate) struct Contacts {
     pub(super) all: Vec<Contact>,
     /// Their numbers in the mode before, where they were closed.
     pub(super) known: Vec<Option<usize>>,
+    /// Contacts on seams, which are not among all ([`crate::events::effects::seams`]).
+    pub(super) seams: Vec<Contact>,
     /// How many were there before points were added to flat ends.
     pub(super) gathered: usize,
     /// The numbers of those that slid there.
@@ -71,6 +73,7 @@ impl Contacts {
         let mut contacts = Contacts {
             all: Vec::new(),
             known: Vec::new(),
+            seams: Vec::new(),
             gathered: 0,
             slid: Vec::new(),
             candidates: Vec::new(),
@@ -90,7 +93,7 @@ impl Contacts {
         // Nothing happens in the others, which have no contacts.
         let mut asked: BTreeSet<usize> = before.contacts.iter().map(|closed| closed.contact.pair).collect();
         asked.extend(&before.idle);
-        asked.extend(before.unpressed.iter().map(|contact| contact.pair));
+        asked.extend(before.unpressed.iter().chain(&before.seams).map(|contact| contact.pair));
         asked.extend(found.triggers.iter().filter_map(|trigger| match trigger {
             Watched::Approach(pair) => Some(*pair),
             _ => None,
@@ -98,6 +101,12 @@ impl Contacts {
         if found.anew {
             asked.extend(scene.near);
         }
+        let on_seam = |pair: usize| before.seams.iter().any(|contact| contact.pair == pair);
+        let within = |pair: usize| {
+            let of = &touching.pairs[pair];
+            if found.anew { of.closed_anew() } else { of.within(TOUCHED) }
+        };
+        let mut sought = Vec::new();
         for pair in asked {
             let of = &touching.pairs[pair];
             let closed = || before.contacts.iter().enumerate().filter(|(_, closed)| closed.contact.pair == pair);
@@ -111,8 +120,9 @@ impl Contacts {
             };
             // Each event may have added a point towards its centre of pressure.
             let many = closed().filter(|(_, closed)| closed.contact.flat_end().is_some()).count() > MOST_POINTS;
-            if found.anew || many || before.idle.contains(&pair) || found.triggers.iter().any(happens) {
-                let within = if found.anew { of.closed_anew() } else { of.within(TOUCHED) };
+            let implied = before.idle.contains(&pair) || on_seam(pair);
+            if found.anew || many || implied || found.triggers.iter().any(happens) {
+                let within = within(pair);
                 // Other places of a pair that rebounds, which would close sooner than a step can be solved, meet with the first. Without restitution they
                 // stay where the first has, in whichever order, and their gaps must not be closed by a motion.
                 let meets = of.restitution > 0.0 && found.triggers.contains(&Watched::Approach(pair));
@@ -128,27 +138,15 @@ impl Contacts {
                     let pivots: Vec<&Contact> = closed().map(|(_, closed)| &closed.contact).collect();
                     land_opposite(touching, &pivots, &mut near, &bodies);
                 }
-                // An edge crosses a rim at two places that have the same features.
-                let place = |contact: &Contact| touch_motion(&contact.joint, &bodies).point;
-                for contact in near {
-                    let same = closed().filter(|(_, closed)| closed.contact.features == contact.features);
-                    let apart = |closed: &Closed| (place(&closed.contact) - place(&contact)).norm();
-                    let known = same.min_by(|(_, one), (_, other)| apart(one).total_cmp(&apart(other)));
-                    if known.is_none() {
-                        let passed = closed().filter(|&(index, _)| found.triggers.contains(&Watched::Feature(index)));
-                        let size = of.extents.larger;
-                        let rest = passed
-                            .filter_map(|(_, closed)| contacts.goes_on([&closed.contact, &contact], size, &bodies));
-                        contacts.gone_on.extend(rest.reduce(f64::max).map(|rest| (contact.clone(), rest)));
-                    }
-                    contacts.known.push(known.map(|(index, _)| index));
-                    contacts.all.push(contact);
-                }
+                contacts.take_near(scene, before, pair, near, found.triggers, &bodies);
+                sought.push(pair);
             } else {
                 contacts.known.extend(closed().map(|(index, _)| Some(index)));
                 contacts.all.extend(closed().map(|(_, closed)| closed.contact.clone()));
             }
         }
+        contacts.take_flush(scene, before, sought, within, &bodies);
+        contacts.leave_out_seams(touching, &bodies, 0);
         contacts.gathered = contacts.all.len();
         contacts
     }

@@ -158,10 +158,13 @@ pub fn note_pairs(scene: &Scene, time: f64, [before, after]: [&Mode; 2], met: &M
     };
     // The others stay open.
     let closed = before.contacts.iter().chain(&after.contacts).map(|closed| closed.contact.pair);
-    for pair in closed.collect::<BTreeSet<usize>>() {
+    let seams = before.seams.iter().chain(&after.seams).map(|contact| contact.pair);
+    for pair in closed.chain(seams).collect::<BTreeSet<usize>>() {
         let features = |mode: &Mode| {
             let own = mode.contacts.iter().filter(|closed| closed.contact.pair == pair);
+            let seams = mode.seams.iter().filter(|contact| contact.pair == pair);
             own.map(|closed| (closed.contact.features, closed.slides.is_some(), closed.held_turns()))
+                .chain(seams.map(|contact| (contact.features, false, [0; 2])))
                 .collect::<Vec<_>>()
         };
         *done.pairs.of(pair) |= features(before) != features(after);

@@ -12,6 +12,9 @@
 //! with its side at the same instant.
 
 use crate::events::effects::contacts::Contacts;
+use crate::events::effects::decision::Scene;
+use crate::events::finding::watched::Watched;
+use crate::events::modes::mode::{Closed, Mode};
 use crate::instant::holding::touching::Contact;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::touches::touch_motion;
@@ -23,8 +26,37 @@ const SMOOTH: f64 = 1e-6;
 const SAME_PLACE: f64 = 1e-4;
 
 impl Contacts {
+    /// Takes contacts of a pair that are near now, each with its number in the mode before where it was closed there, after events of these functions.
+    pub(super) fn take_near(
+        &mut self,
+        scene: &Scene,
+        before: &Mode,
+        pair: usize,
+        near: Vec<Contact>,
+        triggers: &[Watched],
+        bodies: &[BodyState],
+    ) {
+        let closed = || before.contacts.iter().enumerate().filter(|(_, closed)| closed.contact.pair == pair);
+        // An edge crosses a rim at two places that have the same features.
+        let place = |contact: &Contact| touch_motion(&contact.joint, bodies).point;
+        for contact in near {
+            let same = closed().filter(|(_, closed)| closed.contact.features == contact.features);
+            let apart = |closed: &Closed| (place(&closed.contact) - place(&contact)).norm();
+            let known = same.min_by(|(_, one), (_, other)| apart(one).total_cmp(&apart(other)));
+            if known.is_none() {
+                let passed = closed().filter(|&(index, _)| triggers.contains(&Watched::Feature(index)));
+                let size = scene.touching.pairs[pair].extents.larger;
+                let rest = passed.filter_map(|(_, closed)| self.goes_on([&closed.contact, &contact], size, bodies));
+                let rest = rest.reduce(f64::max);
+                self.gone_on.extend(rest.map(|rest| (contact.clone(), rest)));
+            }
+            self.known.push(known.map(|(index, _)| index));
+            self.all.push(contact);
+        }
+    }
+
     /// Whether a contact of a pair with this size (m) goes on from one that was closed, and the speed that counts as rest for it then [m/s].
-    pub(super) fn goes_on(&self, [before, contact]: [&Contact; 2], size: f64, bodies: &[BodyState]) -> Option<f64> {
+    fn goes_on(&self, [before, contact]: [&Contact; 2], size: f64, bodies: &[BodyState]) -> Option<f64> {
         let [old, new] = [before, contact].map(|contact| touch_motion(&contact.joint, bodies));
         let here = (new.point - old.point).norm() <= SAME_PLACE * size;
         let goes_on = here && (new.normal - old.normal).norm() <= SMOOTH;

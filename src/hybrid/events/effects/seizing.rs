@@ -137,6 +137,7 @@ mod tests {
                 contacts: Vec::new(),
                 idle: Vec::new(),
                 unpressed: Vec::new(),
+                seams: Vec::new(),
             };
             let found = Found { triggers: &[Watched::Approach(0)], height: 0.0, anew: true, brief: false };
             let mut contacts = Contacts::gather(&scene, &before, &state, &found, 2.0);

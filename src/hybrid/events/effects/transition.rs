@@ -23,6 +23,7 @@ use crate::events::effects::memory::{Done, Found, Memory};
 use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, note_pairs, note_seized};
 use crate::events::effects::omitted_flights::{change_of_speed, speed_in_doubt};
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
+use crate::events::effects::seams::held_seams;
 use crate::events::effects::seizing::Seized;
 use crate::events::effects::unpressed::unpressed;
 use crate::events::finding::watched::{Watched, unbounded};
@@ -169,6 +170,7 @@ pub(crate) fn transit(
     }
     mode.idle = idle_pairs(scene, state, mode, &contacts.candidates);
     mode.unpressed = unpressed(scene, state, mode, &contacts.candidates);
+    mode.seams = held_seams(scene, state, &contacts.seams, mode);
     note_joints(elements, state.time, [&before, mode], &met, &mut done);
     note_pairs(scene, state.time, [&before, mode], &met, &mut done);
     done.meetings = meetings;

@@ -34,13 +34,15 @@ impl Contacts {
             }
             for (contact, _) in scene.touching.near(pair, &bodies, of.within(TOUCHED)) {
                 let known = |other: &Contact| other.pair == pair && other.features == contact.features;
+                let is_there = self.all.iter().chain(&self.seams).any(known);
                 let rate = touch_motion(&contact.joint, &bodies).rate;
-                if contact.flat_end().is_none() && rate.abs() <= self.rest && !self.all.iter().any(known) {
+                if contact.flat_end().is_none() && rate.abs() <= self.rest && !is_there {
                     self.known.push(None);
                     self.all.push(contact);
                 }
             }
         }
+        self.leave_out_seams(scene.touching, &bodies, before);
         self.all.len() > before
     }
 }

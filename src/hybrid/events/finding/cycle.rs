@@ -57,6 +57,7 @@ mod tests {
             contacts: Vec::new(),
             idle: Vec::new(),
             unpressed: Vec::new(),
+            seams: Vec::new(),
         };
         let state =
             |time, velocity| State { time, position: vec![0.5], velocity: vec![velocity], compensation: vec![0.0] };

@@ -78,9 +78,17 @@ pub struct Mode {
     /// Contacts without pressure whose gaps the closed ones keep at zero, while friction follows the pressures of these
     /// ([`crate::events::forces::returning`]).
     pub unpressed: Vec<Contact>,
+    /// Contacts between closed ones on seams of a plane of several obstacles, which do not press ([`crate::events::effects::seams`]).
+    pub seams: Vec<Contact>,
 }
 
 impl Mode {
+    /// The contacts of a pair that are closed, and those on seams.
+    pub(crate) fn touching(&self, pair: usize) -> impl Iterator<Item = &Contact> {
+        let closed = self.contacts.iter().map(|closed| &closed.contact);
+        closed.chain(&self.seams).filter(move |contact| contact.pair == pair)
+    }
+
     /// Whether the joint of each body is held.
     pub fn held_bodies(&self, elements: &Elements, bodies: usize) -> Vec<bool> {
         let mut held = vec![false; bodies];
@@ -154,12 +162,13 @@ impl Mode {
 impl Mode {
     /// Takes the modes of another. Allocates only for more contacts.
     pub fn copy_from(&mut self, other: &Mode) {
-        let Mode { joints, motors, contacts, idle, unpressed } = other;
+        let Mode { joints, motors, contacts, idle, unpressed, seams } = other;
         self.joints.clone_from(joints);
         self.motors.clone_from(motors);
         self.contacts.clone_from(contacts);
         self.idle.clone_from(idle);
         self.unpressed.clone_from(unpressed);
+        self.seams.clone_from(seams);
     }
 
     /// Whether another differs in the directions of slips at most.

@@ -78,6 +78,18 @@ impl Pair {
         self.geometry.is_dense()
     }
 
+    /// Whether friction, restitution and the motions of surfaces are those of another pair of the same shape.
+    pub fn has_laws_of(&self, other: &Pair) -> bool {
+        let moves = |pair: &Pair| pair.surfaces.iter().any(|surface| *surface != Vector3::zeros());
+        let same_motion = self.surfaces == other.surfaces && self.bodies == other.bodies;
+        self.friction == other.friction
+            && self.restitution == other.restitution
+            && self.moments == other.moments
+            && !self.is_reeved()
+            && !other.is_reeved()
+            && (same_motion || !(moves(self) || moves(other)))
+    }
+
     /// Whether its shapes have one pair of features at most.
     pub fn has_one_place(&self) -> bool {
         self.geometry.has_one_place()
