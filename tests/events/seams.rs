@@ -89,7 +89,7 @@ fn boxes_cylinders_and_balls_on_tiles_move_as_on_one_plate() {
         ("<capsule radius='0.05' length='0.12'/>", "1.5707963267948966", 0.05),
         ("<sphere radius='0.05'/>", "0", 0.05),
     ];
-    let floors = [tiles([0.5; 2], 0.0), tiles([0.2; 2], 0.0), tiles([0.4, 0.2], 0.14)];
+    let floors = [tiles([0.5; 2], 0.0), tiles([0.4, 0.2], 0.14)];
     // Flush plates that leave half of a floor free.
     let flush = (0..36).map(|of| {
         plate(&format!("flush_{of}"), [f64::from(of / 6) * 0.4 - 1.0, f64::from(of % 6) * 0.4 - 1.0], [0.2; 2])
@@ -101,9 +101,9 @@ fn boxes_cylinders_and_balls_on_tiles_move_as_on_one_plate() {
         (0.475, -0.17, [-1.34, -0.06], 5.9, 0.0),
         (0.26, -0.15, [1.09, 0.62], -0.08, 0.0),
         (0.11, 0.17, [0.81, 1.12], -1.37, 0.0),
-        (0.27, -0.1, [-1.16, 1.16], 0.0, 0.0),
         (0.4, 0.7, [0.6, -0.5], 3.0, 0.02),
     ];
+    catena::events::check_certificates();
     let mut worst: Vec<(f64, String)> = Vec::new();
     for (number, (geometry, roll, height)) in shapes.into_iter().enumerate() {
         let urdf = link("body", 1.3, [0.004, 0.005, 0.0062], geometry);

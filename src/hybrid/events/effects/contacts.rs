@@ -101,7 +101,6 @@ impl Contacts {
         if found.anew {
             asked.extend(scene.near);
         }
-        let on_seam = |pair: usize| before.seams.iter().any(|contact| contact.pair == pair);
         let within = |pair: usize| {
             let of = &touching.pairs[pair];
             if found.anew { of.closed_anew() } else { of.within(TOUCHED) }
@@ -120,8 +119,7 @@ impl Contacts {
             };
             // Each event may have added a point towards its centre of pressure.
             let many = closed().filter(|(_, closed)| closed.contact.flat_end().is_some()).count() > MOST_POINTS;
-            let implied = before.idle.contains(&pair) || on_seam(pair);
-            if found.anew || many || implied || found.triggers.iter().any(happens) {
+            if found.anew || many || before.is_idle(pair) || found.triggers.iter().any(happens) {
                 let within = within(pair);
                 // Other places of a pair that rebounds, which would close sooner than a step can be solved, meet with the first. Without restitution they
                 // stay where the first has, in whichever order, and their gaps must not be closed by a motion.

@@ -223,7 +223,7 @@ impl Watched {
                 let closed: Vec<&Contact> = mode.touching(pair).collect();
                 let of = &touching.pairs[pair];
                 if closed.is_empty() {
-                    let rounding = if mode.idle.contains(&pair) { of.within(COPLANAR) } else { 0.0 };
+                    let rounding = if mode.is_idle(pair) { of.within(COPLANAR) } else { 0.0 };
                     return touching.gap(pair, bodies) + rounding;
                 }
                 let within = of.size() * if of.reach.contains(&f64::INFINITY) { 1.0 } else { NEARBY };

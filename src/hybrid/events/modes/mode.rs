@@ -83,10 +83,17 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// The contacts of a pair that are closed, and those on seams.
+    /// The contacts of a pair that are closed, and those on seams beside them.
     pub(crate) fn touching(&self, pair: usize) -> impl Iterator<Item = &Contact> {
-        let closed = self.contacts.iter().map(|closed| &closed.contact);
-        closed.chain(&self.seams).filter(move |contact| contact.pair == pair)
+        let own = move |contact: &&Contact| contact.pair == pair;
+        let closed = self.contacts.iter().map(|closed| &closed.contact).filter(own);
+        let beside = closed.clone().next().map_or(&[][..], |_| &self.seams);
+        closed.chain(beside.iter().filter(own))
+    }
+
+    /// Whether a pair touches where closed contacts keep the gap at zero and nothing presses.
+    pub(crate) fn is_idle(&self, pair: usize) -> bool {
+        self.idle.contains(&pair) || self.seams.iter().any(|contact| contact.pair == pair)
     }
 
     /// Whether the joint of each body is held.
