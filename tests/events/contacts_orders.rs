@@ -157,7 +157,9 @@ fn a_ball_with_spin_about_three_axes_comes_to_roll_where_it_should_whatever_the_
     // Its slip keeps its direction and force and torque are constant: with the angular velocity that these add up to slips are exact, however far the ball
     // turns in a step. With the rate of its rotation matrix the stop was 7e-5 s late with three stages of 1.25 ms.
     for stages in [2, 3, 4, 5, 9] {
-        for step in [0.05, 0.02, 0.00125] {
+        // The shortest with those that were late.
+        let steps: &[f64] = if stages == 3 { &[0.05, 0.02, 0.00125] } else { &[0.05, 0.02] };
+        for &step in steps {
             let finished = run(&ball, &start, 1.0, fixed(stages, step));
             let kinds: Vec<EventKind> = finished.events.iter().map(|event| event.kind).collect();
             assert_eq!(kinds, [EventKind::Stick], "{stages} stages, {step} s");

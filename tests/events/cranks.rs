@@ -114,7 +114,7 @@ fn a_crank_that_pushes_a_box_passes_its_dead_centre_without_a_blow() {
                 shape,
                 start: -1.2 + 0.3 * part,
             };
-            for tolerance in [1e-3, 1e-5, 1e-6, 1e-7, 1e-8] {
+            for tolerance in [1e-3, 1e-6, 1e-8] {
                 let found = run("crank_and_box", &scene, tolerance);
                 let (angle, turning) = joint(&found, "c");
                 let off = turning - rate(&scene, angle);

@@ -100,7 +100,6 @@ fn boxes_cylinders_and_balls_on_tiles_move_as_on_one_plate() {
     let starts = [
         (0.475, -0.17, [-1.34, -0.06], 5.9, 0.0),
         (0.26, -0.15, [1.09, 0.62], -0.08, 0.0),
-        (0.11, 0.17, [0.81, 1.12], -1.37, 0.0),
         (0.4, 0.7, [0.6, -0.5], 3.0, 0.02),
     ];
     catena::events::check_certificates();
