@@ -90,6 +90,7 @@ impl Contacts {
         // Nothing happens in the others, which have no contacts.
         let mut asked: BTreeSet<usize> = before.contacts.iter().map(|closed| closed.contact.pair).collect();
         asked.extend(&before.idle);
+        asked.extend(before.kept.iter().map(|contact| contact.pair));
         asked.extend(before.unpressed.iter().map(|contact| contact.pair));
         asked.extend(found.triggers.iter().filter_map(|trigger| match trigger {
             Watched::Approach(pair) => Some(*pair),
@@ -111,7 +112,8 @@ impl Contacts {
             };
             // Each event may have added a point towards its centre of pressure.
             let many = closed().filter(|(_, closed)| closed.contact.flat_end().is_some()).count() > MOST_POINTS;
-            if found.anew || many || before.idle.contains(&pair) || found.triggers.iter().any(happens) {
+            let rests = before.idle.contains(&pair) || before.kept.iter().any(|contact| contact.pair == pair);
+            if found.anew || many || rests || found.triggers.iter().any(happens) {
                 let within = if found.anew { of.closed_anew() } else { of.within(TOUCHED) };
                 // Other places of a pair that rebounds, which would close sooner than a step can be solved, meet with the first. Without restitution they
                 // stay where the first has, in whichever order, and their gaps must not be closed by a motion.

@@ -136,6 +136,7 @@ mod tests {
                 motors: Vec::new(),
                 contacts: Vec::new(),
                 idle: Vec::new(),
+                kept: Vec::new(),
                 unpressed: Vec::new(),
             };
             let found = Found { triggers: &[Watched::Approach(0)], height: 0.0, anew: true, brief: false };

@@ -67,6 +67,7 @@ pub(crate) fn transit(
     let settled = stopped + if beyond { keep_from_gaining(scene, state, before_it) } else { 0.0 };
     stop_slow_joints(elements, state, &rests, false);
     let mut contacts = Contacts::gather(scene, &before, state, found, memory.fastest);
+    let kept = contacts.leave_out_kept(scene, state);
     let lifted = contacts.move_apart(scene, state);
     let velocity = state.velocity.clone();
     let Gathered { mut meetings, mut ends, mut left } = gather_meetings(scene, state, memory, found, &rests, &contacts);
@@ -168,6 +169,7 @@ pub(crate) fn transit(
         mode.contacts = contacts.keep_closed();
     }
     mode.idle = idle_pairs(scene, state, mode, &contacts.candidates);
+    mode.kept = kept;
     mode.unpressed = unpressed(scene, state, mode, &contacts.candidates);
     note_joints(elements, state.time, [&before, mode], &met, &mut done);
     note_pairs(scene, state.time, [&before, mode], &met, &mut done);

@@ -220,8 +220,7 @@ impl Watched {
                 MotorMode::Unbounded | MotorMode::Given(_) => f64::INFINITY,
             },
             Watched::Approach(pair) => {
-                let closed = mode.contacts.iter().map(|closed| &closed.contact).filter(|known| known.pair == pair);
-                let closed: Vec<&Contact> = closed.collect();
+                let closed: Vec<&Contact> = mode.touching(pair).collect();
                 let of = &touching.pairs[pair];
                 if closed.is_empty() {
                     let rounding = if mode.idle.contains(&pair) { of.within(COPLANAR) } else { 0.0 };

@@ -75,6 +75,8 @@ pub struct Mode {
     pub contacts: Vec<Closed>,
     /// Pairs that touch without pressing, because others keep their gaps at zero ([`crate::events::effects::immobile`]).
     pub idle: Vec<usize>,
+    /// Contacts whose gaps loops alone keep at zero ([`crate::instant::holding::kept_by_loops`]); they are not among the closed ones.
+    pub kept: Vec<Contact>,
     /// Contacts without pressure whose gaps the closed ones keep at zero, while friction follows the pressures of these
     /// ([`crate::events::forces::returning`]).
     pub unpressed: Vec<Contact>,
@@ -154,12 +156,24 @@ impl Mode {
 impl Mode {
     /// Takes the modes of another. Allocates only for more contacts.
     pub fn copy_from(&mut self, other: &Mode) {
-        let Mode { joints, motors, contacts, idle, unpressed } = other;
+        let Mode { joints, motors, contacts, idle, kept, unpressed } = other;
         self.joints.clone_from(joints);
         self.motors.clone_from(motors);
         self.contacts.clone_from(contacts);
         self.idle.clone_from(idle);
+        self.kept.clone_from(kept);
         self.unpressed.clone_from(unpressed);
+    }
+
+    /// Whether a pair touches in the mode: by a closed contact, or by one that loops keep.
+    pub fn touches(&self, pair: usize) -> bool {
+        self.touching(pair).next().is_some()
+    }
+
+    /// The contacts at which a pair touches.
+    pub fn touching(&self, pair: usize) -> impl Iterator<Item = &Contact> + Clone {
+        let all = self.contacts.iter().map(|closed| &closed.contact).chain(&self.kept);
+        all.filter(move |contact| contact.pair == pair)
     }
 
     /// Whether another differs in the directions of slips at most.
