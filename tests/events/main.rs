@@ -63,6 +63,7 @@ mod hard_dampers;
 mod hinged_loops;
 mod impacts_with_limits;
 mod in_loops;
+mod kept_by_loops;
 mod landing_flat;
 mod laws;
 mod loads;

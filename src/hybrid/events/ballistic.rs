@@ -107,7 +107,7 @@ impl Eventful {
     /// Whether little work tells that a pair without a closed contact is open with these bodies.
     fn is_apart(&self, watched: Watched, bodies: &[BodyState]) -> bool {
         let Watched::Approach(pair) = watched else { return false };
-        let is_closed = self.mode.touching(pair).next().is_some();
+        let is_closed = self.mode.touches(pair);
         !is_closed && self.model.touching.least_distance(pair, bodies, 0.0) > 0.0
     }
 

@@ -127,9 +127,9 @@ impl Eventful {
         (!self.progress.repeats.ignored.contains(&open)).then_some(watched)
     }
 
-    /// Whether a contact of a pair is closed.
+    /// Whether a contact of a pair is closed, or kept by loops.
     pub(super) fn is_closed(&self, pair: usize) -> bool {
-        self.mode.touching(pair).next().is_some()
+        self.mode.touches(pair)
     }
 
     /// The rest of the reserve of a pair at the end of the last step, of this length (s), if it lasts until there (m).
@@ -149,7 +149,7 @@ impl Eventful {
         if self.trial.fresh_pairs.holds(pair) {
             return false;
         }
-        let closed = self.mode.contacts.iter().map(|closed| &closed.contact).filter(|contact| contact.pair == pair);
+        let closed = self.mode.touching(pair);
         let least = self.model.touching.turns_at_least(pair, closed, speeds.first());
         least.is_some_and(|least| length * speeds.turning_of(&self.model.touching.pairs[pair]) < least)
     }

@@ -150,7 +150,7 @@ impl Eventful {
         } = self;
         placed.place(whole, end, bodies);
         let closes = |pair: usize| triggers.contains(&Watched::Approach(pair));
-        let is_closed = |pair: usize| mode.touching(pair).next().is_some();
+        let is_closed = |pair: usize| mode.touches(pair);
         let is_apart = |pair: usize| touching.distance_within(pair, bodies, IN_A_MOMENT) >= IN_A_MOMENT;
         near.pairs().iter().all(|&pair| closes(pair) || is_closed(pair) || is_apart(pair))
     }

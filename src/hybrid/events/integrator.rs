@@ -115,6 +115,7 @@ impl Eventful {
             motors: vec![MotorMode::Unbounded; elements.motors.len()],
             contacts: Vec::new(),
             idle: Vec::new(),
+            kept: Vec::new(),
             unpressed: Vec::new(),
             seams: Vec::new(),
         };

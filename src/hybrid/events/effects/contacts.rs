@@ -50,6 +50,8 @@ pub(crate) struct Contacts {
     pub(super) known: Vec<Option<usize>>,
     /// Contacts on seams, which are not among all ([`crate::events::effects::seams`]).
     pub(super) seams: Vec<Contact>,
+    /// Contacts that loops keep, which are not among all either ([`crate::instant::holding::kept_by_loops`]).
+    pub(super) kept: Vec<Contact>,
     /// How many were there before points were added to flat ends.
     pub(super) gathered: usize,
     /// The numbers of those that slid there.
@@ -74,6 +76,7 @@ impl Contacts {
             all: Vec::new(),
             known: Vec::new(),
             seams: Vec::new(),
+            kept: Vec::new(),
             gathered: 0,
             slid: Vec::new(),
             candidates: Vec::new(),
@@ -93,7 +96,7 @@ impl Contacts {
         // Nothing happens in the others, which have no contacts.
         let mut asked: BTreeSet<usize> = before.contacts.iter().map(|closed| closed.contact.pair).collect();
         asked.extend(&before.idle);
-        asked.extend(before.unpressed.iter().chain(&before.seams).map(|contact| contact.pair));
+        asked.extend(before.kept.iter().chain(&before.unpressed).chain(&before.seams).map(|contact| contact.pair));
         asked.extend(found.triggers.iter().filter_map(|trigger| match trigger {
             Watched::Approach(pair) => Some(*pair),
             _ => None,

@@ -136,6 +136,7 @@ mod tests {
                 motors: Vec::new(),
                 contacts: Vec::new(),
                 idle: Vec::new(),
+                kept: Vec::new(),
                 unpressed: Vec::new(),
                 seams: Vec::new(),
             };

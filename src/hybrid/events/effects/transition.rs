@@ -68,6 +68,7 @@ pub(crate) fn transit(
     let settled = stopped + if beyond { keep_from_gaining(scene, state, before_it) } else { 0.0 };
     stop_slow_joints(elements, state, &rests, false);
     let mut contacts = Contacts::gather(scene, &before, state, found, memory.fastest);
+    contacts.leave_out_kept(scene, state);
     let lifted = contacts.move_apart(scene, state);
     let velocity = state.velocity.clone();
     let Gathered { mut meetings, mut ends, mut left } = gather_meetings(scene, state, memory, found, &rests, &contacts);
@@ -169,6 +170,7 @@ pub(crate) fn transit(
         mode.contacts = contacts.keep_closed();
     }
     mode.idle = idle_pairs(scene, state, mode, &contacts.candidates);
+    mode.kept.clone_from(&contacts.kept);
     mode.unpressed = unpressed(scene, state, mode, &contacts.candidates);
     mode.seams = held_seams(scene, state, &contacts.seams, mode);
     note_joints(elements, state.time, [&before, mode], &met, &mut done);

@@ -1,4 +1,4 @@
-//! Contacts of an event that touch only once others have come to rest, and contacts that touch without pressure between closed ones.
+//! Contacts of an event that touch only once others have come to rest, and contacts that touch without pressure: between closed ones, or kept by loops.
 //!
 //! ```text
 //!     joins:      φ ≤ 1e-11 of its size and γ ≤ rest, after the gaps and rates of the other contacts have become zero
@@ -12,6 +12,7 @@ use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::{Candidate, Scene};
 use crate::events::forces::returning::shares;
 use crate::events::modes::mode::{Closed, Mode};
+use crate::instant::holding::kept_by_loops::kept_by_loops;
 use crate::instant::holding::touching::{Contact, TOUCHED};
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
@@ -19,6 +20,24 @@ use crate::mechanism::motion::touches::touch_motion;
 use std::collections::BTreeSet;
 
 impl Contacts {
+    /// Leaves out the contacts whose gaps loops alone keep: they take no part in impacts and decisions.
+    pub fn leave_out_kept(&mut self, scene: &mut Scene, state: &State) {
+        let kept = kept_by_loops(scene.whole, scene.response, state, &self.all, self.rest);
+        if !kept.contains(&true) {
+            return;
+        }
+        let known = std::mem::take(&mut self.known);
+        for ((contact, known), kept) in std::mem::take(&mut self.all).into_iter().zip(known).zip(kept) {
+            if kept {
+                self.kept.push(contact);
+            } else {
+                self.all.push(contact);
+                self.known.push(known);
+            }
+        }
+        self.gathered = self.all.len();
+    }
+
     /// Adds contacts of pairs at rest that touch now and do not move; false if there are none. Flat ends choose their points in other ways.
     pub fn join_touching(&mut self, scene: &Scene, state: &State) -> bool {
         let flat: BTreeSet<usize> =
@@ -34,7 +53,7 @@ impl Contacts {
             }
             for (contact, _) in scene.touching.near(pair, &bodies, of.within(TOUCHED)) {
                 let known = |other: &Contact| other.pair == pair && other.features == contact.features;
-                let is_there = self.all.iter().chain(&self.seams).any(known);
+                let is_there = self.all.iter().chain(&self.seams).chain(&self.kept).any(known);
                 let rate = touch_motion(&contact.joint, &bodies).rate;
                 if contact.flat_end().is_none() && rate.abs() <= self.rest && !is_there {
                     self.known.push(None);

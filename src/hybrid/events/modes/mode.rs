@@ -75,6 +75,8 @@ pub struct Mode {
     pub contacts: Vec<Closed>,
     /// Pairs that touch without pressing, because others keep their gaps at zero ([`crate::events::effects::immobile`]).
     pub idle: Vec<usize>,
+    /// Contacts whose gaps loops alone keep at zero ([`crate::instant::holding::kept_by_loops`]); they are not among the closed ones.
+    pub kept: Vec<Contact>,
     /// Contacts without pressure whose gaps the closed ones keep at zero, while friction follows the pressures of these
     /// ([`crate::events::forces::returning`]).
     pub unpressed: Vec<Contact>,
@@ -83,17 +85,22 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// The contacts of a pair that are closed, and those on seams beside them.
-    pub(crate) fn touching(&self, pair: usize) -> impl Iterator<Item = &Contact> {
+    /// The contacts at which a pair touches: closed ones and those that loops keep, and those on seams beside them.
+    pub fn touching(&self, pair: usize) -> impl Iterator<Item = &Contact> + Clone {
         let own = move |contact: &&Contact| contact.pair == pair;
-        let closed = self.contacts.iter().map(|closed| &closed.contact).filter(own);
-        let beside = closed.clone().next().map_or(&[][..], |_| &self.seams);
-        closed.chain(beside.iter().filter(own))
+        let all = self.contacts.iter().map(|closed| &closed.contact).chain(&self.kept).filter(own);
+        let beside = all.clone().next().map_or(&[][..], |_| &self.seams);
+        all.chain(beside.iter().filter(own))
     }
 
-    /// Whether a pair touches where closed contacts keep the gap at zero and nothing presses.
-    pub(crate) fn is_idle(&self, pair: usize) -> bool {
-        self.idle.contains(&pair) || self.seams.iter().any(|contact| contact.pair == pair)
+    /// Whether a pair touches in the mode: by a closed contact, or by one that loops keep.
+    pub fn touches(&self, pair: usize) -> bool {
+        self.touching(pair).next().is_some()
+    }
+
+    /// Whether others than closed contacts of a pair keep its gap at zero somewhere, and nothing presses there.
+    pub fn is_idle(&self, pair: usize) -> bool {
+        self.idle.contains(&pair) || self.kept.iter().chain(&self.seams).any(|contact| contact.pair == pair)
     }
 
     /// Whether the joint of each body is held.
@@ -169,11 +176,12 @@ impl Mode {
 impl Mode {
     /// Takes the modes of another. Allocates only for more contacts.
     pub fn copy_from(&mut self, other: &Mode) {
-        let Mode { joints, motors, contacts, idle, unpressed, seams } = other;
+        let Mode { joints, motors, contacts, idle, kept, unpressed, seams } = other;
         self.joints.clone_from(joints);
         self.motors.clone_from(motors);
         self.contacts.clone_from(contacts);
         self.idle.clone_from(idle);
+        self.kept.clone_from(kept);
         self.unpressed.clone_from(unpressed);
         self.seams.clone_from(seams);
     }

@@ -118,6 +118,10 @@ impl Eventful {
                 continue;
             }
             for (contact, gap) in self.model.touching.near(pair, &bodies, within) {
+                // What loops keep has no determinate impulse.
+                if self.mode.kept.iter().any(|kept| kept.pair == pair && kept.features == contact.features) {
+                    continue;
+                }
                 let rows = rows_of_contact(&self.model.whole, &bodies, &contact.joint, of.friction > 0.0);
                 let law = Law::of_contact(of.friction, None);
                 blocks.push(Block { of: Of::Contact(contacts.len()), law, rows });

@@ -21,6 +21,7 @@ use crate::instant::cone::{least_compliance, solve};
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Block, Of, Rows, add_pulls, rows_of_contact, second_rates};
 use crate::instant::holding::elements::Elements;
+use crate::instant::holding::kept_by_loops::kept_by_loops;
 use crate::instant::holding::moments::{Turning, blocks_of_turning, have_moments, solve_with_moments};
 use crate::instant::holding::near::Near;
 use crate::instant::holding::touching::{Contact, Touching};
@@ -188,34 +189,32 @@ impl Exerted {
         efforts.iter_mut().zip(of_contacts).for_each(|(effort, own)| *effort += own);
     }
 
-    /// The contacts that touch and do not part, as blocks after the blocks of the joints.
+    /// The contacts that touch and do not part, as blocks after the blocks of the joints; without those that loops keep, which have no determinate force.
     fn take_contacts(&mut self, bodies: &[BodyState]) -> Vec<(Contact, TouchMotion)> {
-        let mut contacts = Vec::new();
         let pairs = &self.touching.pairs;
         let near = Near::within(pairs, bodies, |body| TOUCHED * pairs.reach_of(body));
-        for &pair in near.pairs() {
-            let of = &self.touching.pairs[pair];
-            for (contact, _) in self.touching.near(pair, bodies, of.within(TOUCHED)) {
-                let touch = touch_motion(&contact.joint, bodies);
-                if touch.rate > AT_REST {
-                    continue;
-                }
-                let slides = (touch.slip.norm() > AT_REST).then(|| {
-                    let along = touch.slip.normalize();
-                    tangents(&touch.normal).map(|tangent| tangent.dot(&along))
-                });
-                let law = Law::of_contact(of.friction, slides);
-                let rows = rows_of_contact(&self.mechanism, bodies, &contact.joint, of.friction > 0.0);
-                self.blocks.push(Block { of: Of::Contact(contacts.len()), law, rows });
-                let Turning { across, along } = Turning::of(&contact.joint, bodies, &touch.normal);
-                let turning = Turning {
-                    across: if of.arm() * across.norm() > AT_REST { across } else { Vector3::zeros() },
-                    along: if of.arm() * along.abs() > AT_REST { along } else { 0.0 },
-                };
-                let (number, joint) = (contacts.len(), &contact.joint);
-                self.blocks.extend(blocks_of_turning(&self.mechanism, bodies, joint, &of.moments, number, &turning));
-                contacts.push((contact, touch));
-            }
+        let touch = |&pair: &usize| self.touching.near(pair, bodies, pairs[pair].within(TOUCHED));
+        let mut touching: Vec<Contact> = near.pairs().iter().flat_map(touch).map(|(contact, _)| contact).collect();
+        touching.retain(|contact| touch_motion(&contact.joint, bodies).rate <= AT_REST);
+        let kept = kept_by_loops(&self.mechanism, &mut self.response, &self.state, &touching, AT_REST);
+        let mut contacts = Vec::new();
+        for (contact, _) in touching.into_iter().zip(kept).filter(|(_, kept)| !kept) {
+            let (of, touch) = (&self.touching.pairs[contact.pair], touch_motion(&contact.joint, bodies));
+            let slides = (touch.slip.norm() > AT_REST).then(|| {
+                let along = touch.slip.normalize();
+                tangents(&touch.normal).map(|tangent| tangent.dot(&along))
+            });
+            let law = Law::of_contact(of.friction, slides);
+            let rows = rows_of_contact(&self.mechanism, bodies, &contact.joint, of.friction > 0.0);
+            self.blocks.push(Block { of: Of::Contact(contacts.len()), law, rows });
+            let Turning { across, along } = Turning::of(&contact.joint, bodies, &touch.normal);
+            let turning = Turning {
+                across: if of.arm() * across.norm() > AT_REST { across } else { Vector3::zeros() },
+                along: if of.arm() * along.abs() > AT_REST { along } else { 0.0 },
+            };
+            let (number, joint) = (contacts.len(), &contact.joint);
+            self.blocks.extend(blocks_of_turning(&self.mechanism, bodies, joint, &of.moments, number, &turning));
+            contacts.push((contact, touch));
         }
         contacts
     }

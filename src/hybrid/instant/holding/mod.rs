@@ -3,6 +3,7 @@
 pub mod blocks;
 pub mod elements;
 pub mod held;
+pub(crate) mod kept_by_loops;
 pub mod locked;
 pub(crate) mod moments;
 pub(crate) mod near;
