@@ -22,6 +22,7 @@ mod rim_points;
 mod seizing;
 mod shared_loads;
 pub(crate) mod shared_pressures;
+mod stopped;
 pub(crate) mod transition;
 mod turnings;
 pub(crate) mod unpressed;
