@@ -43,6 +43,7 @@ mod contacts_rocking_cylinder;
 mod contacts_rod;
 mod contacts_short_steps;
 mod contacts_turning;
+mod contacts_unloaded;
 mod contacts_unsolved;
 mod contacts_wall;
 mod contacts_wedged;

@@ -23,6 +23,7 @@ mod seams;
 mod seizing;
 mod shared_loads;
 pub(crate) mod shared_pressures;
+mod stopped;
 pub(crate) mod transition;
 mod turnings;
 pub(crate) mod unpressed;

@@ -25,6 +25,7 @@ use crate::events::effects::omitted_flights::{change_of_speed, speed_in_doubt};
 use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
 use crate::events::effects::seams::held_seams;
 use crate::events::effects::seizing::Seized;
+use crate::events::effects::stopped::stop_roundings;
 use crate::events::effects::unpressed::unpressed;
 use crate::events::finding::watched::{Watched, unbounded};
 use crate::events::modes::mode::{JointMode, Mode, MotorMode};
@@ -132,6 +133,9 @@ pub(crate) fn transit(
         done.lost += contacts.come_to_rest(scene, state, &yielding);
         if contacts.join_touching(scene, state) {
             done.lost += contacts.come_to_rest(scene, state, &yielding);
+        }
+        if impulses.normal.iter().any(|&impulse| impulse != 0.0) {
+            stop_roundings(scene.whole, state, &velocity);
         }
         let known = efforts(mode, state);
         let mut decided = decide(scene, mode, state, &known, &yielding, &contacts.candidates);

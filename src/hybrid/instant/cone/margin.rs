@@ -11,6 +11,9 @@
 //! A sliding contact whose pressure is looked at alone may have less than its law says by a part of the rounding of that pressure. Its force is zero
 //! if no load presses on it, whatever the others are, and m would be roundings on either side of zero.
 //!
+//! Contacts that touch at rest without a force have the margin 0. The answer of the programme is off by its tolerance there, and would release them
+//! again and again. If forces without any in such contacts hold all rows, m is at least 0.
+//!
 //! Forces are r₀ + N y, with the solution of least norm r₀ and the null space N of the rows in scaled units; the programme in (y, m) is solved by
 //! clarabel. If N is empty, m is read off r₀. A problem that falls apart has the least margin of its parts.
 
@@ -28,6 +31,11 @@ const CLEAR: f64 = 0.02;
 const HELD: f64 = 1e-8;
 /// Rounding as a part of the terms that cancel: under a heavy body a light one is held by forces that are large against its weight.
 const ROUNDING: f64 = 1e-13;
+
+/// A margin that lacks less than this part of the largest force may be an error of the programme, and a contact with less than the other part of it may
+/// be without a force.
+const IN_DOUBT: f64 = 1e-8;
+const BARE: f64 = 1e-5;
 
 /// m; −∞ if no forces hold all rows, or the problem is malformed.
 #[cfg(test)]
@@ -83,10 +91,10 @@ fn margin_beyond(
 fn margin_of_part(problem: &Problem, clear: f64, known: &[Known]) -> (f64, f64) {
     let scaled = Scaled::new(problem);
     let directions = force_directions(&scaled);
-    let Some((particular, null)) = holding_forces(&scaled, &directions) else { return (f64::NEG_INFINITY, 0.0) };
+    let Some(found) = Holding::of(&scaled, &directions) else { return (f64::NEG_INFINITY, 0.0) };
     // Forces in their own units, as r₀ + N y.
-    let particular = DVector::from_vec(scaled.unscale((&directions * particular).as_slice()));
-    let mut null = directions * null;
+    let particular = DVector::from_vec(scaled.unscale((&directions * &found.least).as_slice()));
+    let mut null = &directions * &found.null;
     for mut column in null.column_iter_mut() {
         let unscaled = scaled.unscale(column.as_slice());
         column.copy_from_slice(&unscaled);
@@ -96,15 +104,38 @@ fn margin_of_part(problem: &Problem, clear: f64, known: &[Known]) -> (f64, f64) 
     if conditions.cones.is_empty() {
         return (f64::INFINITY, largest);
     }
-    let own =
-        problem.laws.iter().zip(scaled.starts.iter().zip(known)).fold(largest, |least, (law, (&start, known))| {
-            least.min(own_margin(law, &particular.as_slice()[start..], known))
-        });
+    let blocks = || problem.laws.iter().zip(&scaled.starts).zip(known);
+    let each = |forces: &DVector<f64>| -> Vec<f64> {
+        blocks().map(|((law, &start), known)| own_margin(law, &forces.as_slice()[start..], known)).collect()
+    };
+    let own = each(&particular);
+    let least = own.iter().fold(largest, |least, own| least.min(*own));
     // Far from the limit of the contacts only its sign is needed. No force at all is admissible, and the most.
-    if null.ncols() == 0 || own > clear * largest || largest == 0.0 {
-        return (own, largest);
+    if null.ncols() == 0 || least > clear * largest || largest == 0.0 {
+        return (least, largest);
     }
-    (conditions.largest_margin(&particular, &null, largest).unwrap_or(f64::NEG_INFINITY), largest)
+    let more = known.iter().map(|known| known.part).fold(0.0, f64::max);
+    let bears = |forces: &DVector<f64>, part: f64| -> Vec<bool> {
+        blocks().map(|((law, &start), _)| forces.rows(start, law.rows()).amax() > part).collect()
+    };
+    let holds = |own: &[f64], bears: &[bool], enough: f64| {
+        bears.contains(&false) && own.iter().zip(bears).all(|(own, bears)| !bears || *own > enough)
+    };
+    if holds(&own, &bears(&particular, more), clear * largest) {
+        return (0.0, largest);
+    }
+    let Some((margin, along)) = conditions.largest_margin(&particular, &null, largest) else {
+        return (f64::NEG_INFINITY, largest);
+    };
+    let margin = margin.max(least);
+    if margin + more >= 0.0 || margin < -IN_DOUBT * largest {
+        return (margin, largest);
+    }
+    let bare = bears(&(&particular + &null * &along), BARE * largest);
+    let without = found.without(&scaled, &directions, &along, &bare);
+    let without = without.map(|forces| DVector::from_vec(scaled.unscale(forces.as_slice())));
+    let is_held = without.is_some_and(|forces| holds(&each(&forces), &bare, 0.0));
+    (if is_held { 0.0 } else { margin }, largest)
 }
 
 /// The margin of one block with known forces.
@@ -137,23 +168,58 @@ fn force_directions(scaled: &Scaled) -> DMatrix<f64> {
     if columns.is_empty() { DMatrix::zeros(count, 0) } else { DMatrix::from_columns(&columns) }
 }
 
-/// The least-norm unknowns that hold all rows, and a basis of their null space; `None` if no forces hold the rows.
-fn holding_forces(scaled: &Scaled, directions: &DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
-    // The rows that are held: each row whose unit force is an unknown.
-    let held: Vec<usize> = scaled
-        .blocks()
-        .flat_map(|(start, law)| match law {
-            Law::Contact { friction } if friction > 0.0 => start..start + 3,
-            _ => start..start + 1,
-        })
-        .collect();
-    let responses = &scaled.mobility * directions;
-    let matrix = DMatrix::from_fn(held.len(), held.len(), |row, column| responses[(held[row], column)]);
-    let right = DVector::from_fn(held.len(), |row, _| -scaled.free[held[row]]);
-    let (solution, null) = least_norm(&matrix, &right)?;
-    let off = (&matrix * &solution - &right).amax();
-    let terms = (matrix.abs() * solution.abs()).amax();
-    (off <= HELD * right.amax() + ROUNDING * terms).then_some((solution, null))
+/// Unknown forces that hold all rows: `matrix · x = right`.
+struct Holding {
+    matrix: DMatrix<f64>,
+    right: DVector<f64>,
+    /// The solution of least norm, and a basis of the null space.
+    least: DVector<f64>,
+    null: DMatrix<f64>,
+}
+
+impl Holding {
+    /// `None` if no forces hold the rows.
+    fn of(scaled: &Scaled, directions: &DMatrix<f64>) -> Option<Self> {
+        // The rows that are held: each row whose unit force is an unknown.
+        let held: Vec<usize> = scaled.blocks().flat_map(|(start, law)| start..start + unknowns(&law)).collect();
+        let responses = &scaled.mobility * directions;
+        let matrix = DMatrix::from_fn(held.len(), held.len(), |row, column| responses[(held[row], column)]);
+        let right = DVector::from_fn(held.len(), |row, _| -scaled.free[held[row]]);
+        let (least, null) = least_norm(&matrix, &right)?;
+        let off = (&matrix * &least - &right).amax();
+        let terms = (matrix.abs() * least.abs()).amax();
+        (off <= HELD * right.amax() + ROUNDING * terms).then_some(Holding { matrix, right, least, null })
+    }
+
+    /// Scaled forces near `least + null · along`, without any in the blocks that do not bear; `None` unless they hold all rows up to roundings.
+    fn without(
+        &self,
+        scaled: &Scaled,
+        directions: &DMatrix<f64>,
+        along: &DVector<f64>,
+        bears: &[bool],
+    ) -> Option<DVector<f64>> {
+        let bearing = scaled.blocks().zip(bears).flat_map(|((_, law), bears)| vec![*bears; unknowns(&law)]);
+        let mut matrix = self.matrix.clone();
+        let mut forces = &self.least + &self.null * along;
+        for (column, _) in bearing.enumerate().filter(|(_, bears)| !bears) {
+            matrix.column_mut(column).fill(0.0);
+            forces[column] = 0.0;
+        }
+        let (rest, _) = least_norm(&matrix, &(&self.right - &matrix * &forces))?;
+        forces += rest;
+        let off = (&matrix * &forces - &self.right).amax();
+        let terms = (matrix.abs() * forces.abs()).amax();
+        (off <= ROUNDING * (self.right.amax() + terms)).then(|| directions * forces)
+    }
+}
+
+/// How many unknown forces a block has.
+fn unknowns(law: &Law) -> usize {
+    match *law {
+        Law::Contact { friction } if friction > 0.0 => 3,
+        _ => 1,
+    }
 }
 
 /// `forces = rows r + offset − margin · m` in cones.
@@ -193,8 +259,13 @@ impl Conditions {
         Conditions { cones, lines }
     }
 
-    /// The largest m, at most the largest force; `None` if clarabel fails.
-    fn largest_margin(mut self, particular: &DVector<f64>, null: &DMatrix<f64>, largest: f64) -> Option<f64> {
+    /// The largest m, at most the largest force, and the y that has it; `None` if clarabel fails.
+    fn largest_margin(
+        mut self,
+        particular: &DVector<f64>,
+        null: &DMatrix<f64>,
+        largest: f64,
+    ) -> Option<(f64, DVector<f64>)> {
         let unknowns = null.ncols() + 1;
         // In units of the largest force; rows of A x + s = limit with s in the cones.
         let unit = if largest > 0.0 { largest } else { 1.0 };
@@ -225,7 +296,8 @@ impl Conditions {
         let (quadratic, rows) = (CscMatrix::zeros((unknowns, unknowns)), CscMatrix::from(&rows));
         let mut solver = DefaultSolver::new(&quadratic, &linear, &rows, &limits, &self.cones, settings).ok()?;
         solver.solve();
-        let found = *solver.solution.x.last()? * unit;
-        found.is_finite().then_some(found)
+        let (margin, along) = solver.solution.x.split_last()?;
+        let along = DVector::from_column_slice(along) * unit;
+        margin.is_finite().then(|| (*margin * unit, along))
     }
 }
