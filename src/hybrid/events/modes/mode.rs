@@ -85,7 +85,7 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// The contacts at which a pair touches: closed ones and those that loops keep, and those on seams beside them.
+    /// The contacts at which a pair touches: closed ones, contacts that loops keep, and contacts on seams beside them.
     pub fn touching(&self, pair: usize) -> impl Iterator<Item = &Contact> + Clone {
         let own = move |contact: &&Contact| contact.pair == pair;
         let all = self.contacts.iter().map(|closed| &closed.contact).chain(&self.kept).filter(own);
@@ -98,7 +98,7 @@ impl Mode {
         self.touching(pair).next().is_some()
     }
 
-    /// Whether others than closed contacts of a pair keep its gap at zero somewhere, and nothing presses there.
+    /// Whether others than closed contacts of a pair keep its gap at zero somewhere, without a force.
     pub fn is_idle(&self, pair: usize) -> bool {
         self.idle.contains(&pair) || self.kept.iter().chain(&self.seams).any(|contact| contact.pair == pair)
     }

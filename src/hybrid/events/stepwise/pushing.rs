@@ -118,7 +118,7 @@ impl Eventful {
                 continue;
             }
             for (contact, gap) in self.model.touching.near(pair, &bodies, within) {
-                // What loops keep has no determinate impulse.
+                // Contacts that loops keep have no determinate impulse.
                 if self.mode.kept.iter().any(|kept| kept.pair == pair && kept.features == contact.features) {
                     continue;
                 }

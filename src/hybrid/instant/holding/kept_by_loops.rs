@@ -20,7 +20,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 
-/// Answers below this part of those of a tree are roundings; those of loops in place are 1e-28 of them. It is the square of a slope of 1e-6.
+/// Answers below this part of the answers of a tree are roundings; loops in place give 1e-28 of them. It is the square of a slope of 1e-6.
 const ROUNDING: f64 = 1e-12;
 /// How far bodies go along the motion that loops allow, as a part of the size of the mechanism. It opens the loops by the square of this part, and the
 /// answer of a kept row is its fourth power; the answer after a dead point is its square.
@@ -39,7 +39,7 @@ pub(crate) fn kept_by_loops(
         return kept;
     }
     if whole.moves_joints() {
-        // What a motion in time keeps now, it may press together later.
+        // A motion in time may press contacts together later that it keeps now.
         let mut loops = whole.clone();
         loops.mimics.retain(|mimic| !mimic.is_moved());
         return kept_by_loops(&loops, &mut Response::new(&loops), state, contacts, rest);
@@ -55,7 +55,7 @@ pub(crate) fn kept_by_loops(
     kept
 }
 
-/// Leaves those of the kept contacts whose answers in a state are roundings.
+/// Leaves the kept contacts whose answers in a state are roundings.
 fn leave_answering(whole: &Mechanism, response: &mut Response, state: &State, contacts: &[Contact], kept: &mut [bool]) {
     let bodies = body_states(whole, state);
     let numbers: Vec<usize> = (0..kept.len()).filter(|&number| kept[number]).collect();

@@ -187,7 +187,7 @@ pub(crate) fn first_order_is_felt(description: &MethodDescription) -> bool {
     first_order_moves_more_than(FELT, description)
 }
 
-/// Whether what moves at 1 m/s goes on in steps of first order by more than this part of the accuracy.
+/// Whether a body with 1 m/s goes on in steps of first order by more than this part of the accuracy.
 fn first_order_moves_more_than(part: f64, description: &MethodDescription) -> bool {
     let time = description.first_order_time;
     description.first_order_steps > 0

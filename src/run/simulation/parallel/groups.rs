@@ -88,7 +88,7 @@ impl<'a> Groups<'a> {
         self.began.extend(parts.iter().map(times));
     }
 
-    /// Takes the times of steps over events and slips out of the method of a group that is no more, for its bodies; those where the present time of the
+    /// Takes the times of steps over events and slips out of the method of a group that is no more, for its bodies; the times where the present time of the
     /// groups began if the group, by its number, goes `back` to there.
     pub(super) fn take_times(&mut self, number: usize, island: &Island, method: &mut MethodDescription, back: bool) {
         let made = times_of(method).map(std::mem::take);
