@@ -298,6 +298,6 @@ impl Conditions {
         solver.solve();
         let (margin, along) = solver.solution.x.split_last()?;
         let along = DVector::from_column_slice(along) * unit;
-        margin.is_finite().then(|| (*margin * unit, along))
+        margin.is_finite().then_some((*margin * unit, along))
     }
 }

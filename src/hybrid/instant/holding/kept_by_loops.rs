@@ -89,3 +89,74 @@ fn further(whole: &Mechanism, response: &mut Response, state: &State) -> State {
     }
     State { velocity: state.velocity.clone(), ..moves }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instant::holding::touching::Touching;
+    use crate::mechanism::description::closure::{Attachment, LoopJoint, LoopKind};
+    use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
+    use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+    use crate::mechanism::description::mechanism::Body;
+    use nalgebra::{Rotation3, Translation3, Vector3};
+
+    const CRANK: f64 = 0.2;
+    const ROD: f64 = 0.5;
+    const RADIUS: f64 = 0.03;
+
+    /// A slider crank in the plane y = 0. The ball end of its rod moves along x on a table with the slider, and touches a wall at its farthest. At an angle of
+    /// the crank (rad).
+    fn slider_crank(angle: f64) -> (Mechanism, State) {
+        let about = |place: f64, axis: Rotation3<f64>| Pose::from_parts(Translation3::new(place, 0.0, 0.0), axis);
+        // Joints turn about, and move along, the third axes of their frames.
+        let y = Rotation3::from_axis_angle(&Vector3::x_axis(), -std::f64::consts::FRAC_PI_2);
+        let x = Rotation3::from_axis_angle(&Vector3::y_axis(), std::f64::consts::FRAC_PI_2);
+        let hinge = |at: f64| Joint::new("hinge", JointKind::Revolute, about(at, y), about(0.0, y));
+        let slide = Joint::new("slide", JointKind::Prismatic, about(0.0, x), about(0.0, x));
+        let body = |name: &str, parent: Option<usize>, joint: Joint| {
+            let (name, inertia) = (name.into(), Vector3::repeat(0.01));
+            Body { name, parent, mass: 1.0, inertia, joint }
+        };
+        let bodies =
+            vec![body("crank", None, hinge(0.0)), body("rod", Some(0), hinge(CRANK)), body("slider", None, slide)];
+        let mut mechanism = Mechanism::new("crank", Vector3::z() * -9.81, bodies).expect("three bodies");
+        let end = |body: usize, at: f64| Attachment { body: Some(body), frame: about(at, y) };
+        let (a, b) = (end(1, ROD), end(2, 0.0));
+        mechanism.loops.push(LoopJoint { name: "close".into(), kind: LoopKind::Revolute, a, b });
+        let nonsmooth = &mut mechanism.nonsmooth;
+        nonsmooth.colliders.push(Collider::still(
+            "end",
+            Some(1),
+            Pose::translation(ROD, 0.0, 0.0),
+            Shape::Sphere { radius: RADIUS },
+        ));
+        let table = Pose::translation(0.0, 0.0, -RADIUS);
+        let facing = Rotation3::from_axis_angle(&Vector3::y_axis(), -std::f64::consts::FRAC_PI_2);
+        let wall = Pose::from_parts(Translation3::new(CRANK + ROD + RADIUS, 0.0, 0.0), facing);
+        for (pair, pose) in [table, wall].into_iter().enumerate() {
+            nonsmooth.colliders.push(Collider::still("face", None, pose, Shape::HalfSpace));
+            nonsmooth.pairs.push(ContactPair::without_moments(pair, [pair + 1, 0], 0.3, 0.0));
+        }
+        let mut state = State::zero(&mechanism);
+        let rises = -(CRANK * angle.sin() / ROD).asin();
+        state.position.copy_from_slice(&[angle, rises - angle, CRANK * angle.cos() + ROD * rises.cos()]);
+        (mechanism, state)
+    }
+
+    #[test]
+    fn the_end_of_a_rod_is_kept_on_the_table_along_which_its_slider_moves_and_not_at_the_wall_at_its_dead_point() {
+        for (angle, kept) in [(0.0, vec![true, false]), (0.4, vec![true])] {
+            let (mechanism, state) = slider_crank(angle);
+            let (touching, bodies) = (Touching::new(&mechanism), body_states(&mechanism, &state));
+            let near = [0, 1].into_iter().flat_map(|pair| touching.near(pair, &bodies, 1e-9));
+            let contacts: Vec<Contact> = near.map(|(contact, _)| contact).collect();
+            let mut response = Response::new(&mechanism);
+            assert_eq!(kept_by_loops(&mechanism, &mut response, &state, &contacts, 1e-12), kept, "{angle} rad");
+            // Without the loop the rod may leave both.
+            let mut tree = mechanism.clone();
+            tree.loops.clear();
+            let none = kept_by_loops(&tree, &mut Response::new(&tree), &state, &contacts, 1e-12);
+            assert!(!none.contains(&true));
+        }
+    }
+}
