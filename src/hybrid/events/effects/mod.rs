@@ -19,7 +19,7 @@ pub(crate) mod planar_rims;
 mod rest_problem;
 pub(crate) mod resting;
 mod rim_points;
-mod seams;
+pub(crate) mod seams;
 mod seizing;
 mod shared_loads;
 pub(crate) mod shared_pressures;
