@@ -64,7 +64,7 @@ class Sim:
     estimate : whether :meth:`run` with a tolerance estimates its error; without it a run takes about half of the time
     """
 
-    # No others: what is assigned to a name that nobody reads, as in ``sim.controller = law``, is an error.
+    # An assignment to another name, as in ``sim.controller = law``, is an error.
     __slots__ = (
         "model", "_how", "_keep", "_controller", "_efforts", "_targets", "_held", "_run", "_start", "_q", "_v", "_time", "_moved", "__weakref__",
     )

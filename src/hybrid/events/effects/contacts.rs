@@ -152,6 +152,16 @@ impl Contacts {
         contacts
     }
 
+    /// Takes out those of these numbers, with the numbers that they had before; returns them.
+    pub(super) fn take_out(&mut self, leaves: impl Fn(usize) -> bool) -> Vec<Contact> {
+        let mut number = 0..self.known.len();
+        self.known.retain(|_| number.next().is_some_and(|number| !leaves(number)));
+        let all = std::mem::take(&mut self.all).into_iter().enumerate();
+        let (out, stay): (Vec<_>, Vec<_>) = all.partition(|(number, _)| leaves(*number));
+        self.all = stay.into_iter().map(|(_, contact)| contact).collect();
+        out.into_iter().map(|(_, contact)| contact).collect()
+    }
+
     /// Whether some are at the rim of an end that lies flat.
     pub fn has_flat_ends(&self) -> bool {
         self.all.iter().any(|contact| contact.flat_end().is_some())

@@ -162,9 +162,8 @@ impl Contacts {
                 let near: Vec<Contact> = near.into_iter().map(|(contact, _)| contact).collect();
                 let is_flush = are_flush(touching, &own, &near, bodies);
                 if is_flush {
-                    let mut stays = self.all.iter().map(|contact| contact.pair != other);
-                    self.known.retain(|_| stays.next().unwrap_or(true));
-                    self.all.retain(|contact| contact.pair != other);
+                    let is_of_other: Vec<bool> = self.all.iter().map(|contact| contact.pair == other).collect();
+                    self.take_out(|number| is_of_other[number]);
                     self.take_near(scene, before, other, near, &[], bodies);
                     sought.push(other);
                 }
@@ -219,10 +218,7 @@ impl Contacts {
             self.known[to] = self.known[to].or(self.known[from]);
         }
         self.seams.extend(left_out.iter().map(|&number| self.all[number].clone()));
-        let mut number = 0..self.all.len();
-        self.all.retain(|_| number.next().is_some_and(|number| !left_out.contains(&number)));
-        let mut number = 0..self.known.len();
-        self.known.retain(|_| number.next().is_some_and(|number| !left_out.contains(&number)));
+        self.take_out(|number| left_out.contains(&number));
     }
 
     /// The contact that stays of these at one place: a corner of the shape on a face, on the face onto which it moves, one that was

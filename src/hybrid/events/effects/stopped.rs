@@ -19,8 +19,8 @@ pub(super) fn stop_roundings(whole: &Mechanism, state: &mut State, before: &[f64
     let rest = STOPPED * changed.map(|(_, before)| before.abs()).fold(0.0, f64::max);
     for root in (0..whole.bodies.len()).filter(|&body| whole.bodies[body].parent.is_none()) {
         let robot = whole.subtree(root);
-        let freedoms = whole.bodies[root].joint.velocity_index
-            ..whole.bodies.get(robot.end).map_or(whole.velocity_count, |next| next.joint.velocity_index);
+        let [first, last] = [root, robot.end - 1].map(|body| whole.bodies[body].joint.velocity_range());
+        let freedoms = first.start..last.end;
         let rates = &mut state.velocity[freedoms.clone()];
         if rates != &before[freedoms] && rates.iter().all(|rate| rate.abs() <= rest) {
             rates.fill(0.0);

@@ -124,7 +124,8 @@ pub(crate) fn transit(
     }
     memory.omit_flights(&flights);
     stop_slow_joints(elements, state, &rests, true);
-    if impulses.normal.iter().any(|&impulse| impulse != 0.0) {
+    let struck = impulses.normal.iter().any(|&impulse| impulse != 0.0);
+    if struck {
         jump_to_bounds(elements, mode, state, &mut done);
     }
     // A contact that is seized in every round is undecided.
@@ -134,7 +135,7 @@ pub(crate) fn transit(
         if contacts.join_touching(scene, state) {
             done.lost += contacts.come_to_rest(scene, state, &yielding);
         }
-        if impulses.normal.iter().any(|&impulse| impulse != 0.0) {
+        if struck {
             stop_roundings(scene.whole, state, &velocity);
         }
         let known = efforts(mode, state);
@@ -174,7 +175,7 @@ pub(crate) fn transit(
         mode.contacts = contacts.keep_closed();
     }
     mode.idle = idle_pairs(scene, state, mode, &contacts.candidates);
-    mode.kept.clone_from(&contacts.kept);
+    mode.kept = std::mem::take(&mut contacts.kept);
     mode.unpressed = unpressed(scene, state, mode, &contacts.candidates);
     mode.seams = held_seams(scene, state, &contacts.seams, mode);
     note_joints(elements, state.time, [&before, mode], &met, &mut done);

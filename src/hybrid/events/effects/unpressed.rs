@@ -23,18 +23,7 @@ impl Contacts {
     /// Leaves out the contacts whose gaps loops alone keep: they take no part in impacts and decisions.
     pub fn leave_out_kept(&mut self, scene: &mut Scene, state: &State) {
         let kept = kept_by_loops(scene.whole, scene.response, state, &self.all, self.rest);
-        if !kept.contains(&true) {
-            return;
-        }
-        let known = std::mem::take(&mut self.known);
-        for ((contact, known), kept) in std::mem::take(&mut self.all).into_iter().zip(known).zip(kept) {
-            if kept {
-                self.kept.push(contact);
-            } else {
-                self.all.push(contact);
-                self.known.push(known);
-            }
-        }
+        self.kept = self.take_out(|number| kept[number]);
         self.gathered = self.all.len();
     }
 

@@ -186,9 +186,7 @@ impl Holding {
         let matrix = DMatrix::from_fn(held.len(), held.len(), |row, column| responses[(held[row], column)]);
         let right = DVector::from_fn(held.len(), |row, _| -scaled.free[held[row]]);
         let (least, null) = least_norm(&matrix, &right)?;
-        let off = (&matrix * &least - &right).amax();
-        let terms = (matrix.abs() * least.abs()).amax();
-        (off <= HELD * right.amax() + ROUNDING * terms).then_some(Holding { matrix, right, least, null })
+        is_solved(&matrix, &least, &right, HELD).then_some(Holding { matrix, right, least, null })
     }
 
     /// Scaled forces near `least + null · along`, without any in the blocks that do not bear; `None` unless they hold all rows up to roundings.
@@ -208,10 +206,15 @@ impl Holding {
         }
         let (rest, _) = least_norm(&matrix, &(&self.right - &matrix * &forces))?;
         forces += rest;
-        let off = (&matrix * &forces - &self.right).amax();
-        let terms = (matrix.abs() * forces.abs()).amax();
-        (off <= ROUNDING * (self.right.amax() + terms)).then(|| directions * forces)
+        is_solved(&matrix, &forces, &self.right, ROUNDING).then(|| directions * forces)
     }
+}
+
+/// Whether forces hold all rows, up to this part of the largest right side and roundings of the terms.
+fn is_solved(matrix: &DMatrix<f64>, forces: &DVector<f64>, right: &DVector<f64>, part: f64) -> bool {
+    let off = (matrix * forces - right).amax();
+    let terms = (matrix.abs() * forces.abs()).amax();
+    off <= part * right.amax() + ROUNDING * terms
 }
 
 /// How many unknown forces a block has.

@@ -13,6 +13,7 @@
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Row, Rows, rows_of_contact};
 use crate::instant::holding::touching::Contact;
+use crate::mechanism::description::closure::Mimic;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::distance::size;
 use crate::mechanism::motion::energy::energy;
@@ -35,7 +36,9 @@ pub(crate) fn kept_by_loops(
     rest: f64,
 ) -> Vec<bool> {
     let mut kept = vec![false; contacts.len()];
-    if !whole.has_closures() || contacts.is_empty() {
+    // Joints that are moved in time are no loops.
+    let has_loops = !whole.loops.is_empty() || !whole.touches.is_empty() || !whole.mimics.iter().all(Mimic::is_moved);
+    if !has_loops || contacts.is_empty() {
         return kept;
     }
     if whole.moves_joints() {

@@ -78,16 +78,6 @@ impl<'a> Groups<'a> {
         self.stepped.fill([0.0; 3]);
     }
 
-    /// Sees the times of steps over events and slips of each group, to which one goes back whose bodies meet others.
-    pub(super) fn see_times(&mut self, parts: &[IslandRun]) {
-        let times = |part: &IslandRun| {
-            let method = part.awake.as_ref().map(EstimatedRun::description);
-            method.map_or([0.0; 3], |mut method| times_of(&mut method).map(std::mem::take))
-        };
-        self.began.clear();
-        self.began.extend(parts.iter().map(times));
-    }
-
     /// Takes the times of steps over events and slips out of the method of a group that is no more, for its bodies; the times where the present time of the
     /// groups began if the group, by its number, goes `back` to there.
     pub(super) fn take_times(&mut self, number: usize, island: &Island, method: &mut MethodDescription, back: bool) {
@@ -121,8 +111,14 @@ impl<'a> Groups<'a> {
         self.groups = groups;
     }
 
-    /// From where all groups are, how far their bodies move is measured.
-    pub(super) fn measure_ways(&self, parts: &mut [IslandRun]) {
+    /// From where all groups are, how far their bodies move is measured, and a group that goes back to there has the times of its steps over events and
+    /// slips until there.
+    pub(super) fn mark_beginning(&mut self, parts: &mut [IslandRun]) {
+        let times = |part: &IslandRun| {
+            let method = part.awake.as_ref().map(EstimatedRun::description);
+            method.map_or([0.0; 3], |mut method| times_of(&mut method).map(std::mem::take))
+        };
+        self.began = parts.iter().map(times).collect();
         for IslandRun { island, state, course, .. } in parts.iter_mut().filter(|part| part.state.time == self.at.time) {
             course.iter_mut().for_each(|course| course.measure_way(&island.mechanism, state));
         }

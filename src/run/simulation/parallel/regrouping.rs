@@ -94,8 +94,7 @@ impl<'a> Islands<'a> {
             let next = own.at.time + own.length;
             let next = if end - next < SLIVER * own.length { end } else { next };
             own.see_held(&self.parts, mechanism);
-            own.measure_ways(&mut self.parts);
-            own.see_times(&self.parts);
+            own.mark_beginning(&mut self.parts);
             loop {
                 let ended = self.go_to(next, options);
                 if let Err(RunError::BeginsAgain { .. }) = ended {
@@ -120,8 +119,7 @@ impl<'a> Islands<'a> {
                 }
                 let joined = Division::joining(&own.groups, &met);
                 self.regroup(own, joined, Back::ToTheBeginning, mechanism, options, whole)?;
-                own.measure_ways(&mut self.parts);
-                own.see_times(&self.parts);
+                own.mark_beginning(&mut self.parts);
             }
             if self.parts.iter().all(|part| part.awake.is_none()) {
                 whole.show_rest(mechanism, next, options, observers)?;
@@ -193,7 +191,8 @@ impl<'a> Islands<'a> {
             part.begin_within(whole.start, options.duration, sampling_rate(options))?;
             self.parts.push(part);
         }
-        for (number, part) in old.iter().enumerate().filter_map(|(number, part)| Some((number, part.as_ref()?))) {
+        for (number, part) in old.iter().enumerate() {
+            let Some(part) = part else { continue };
             whole.let_go(part);
             if let Some(run) = &part.awake {
                 let mut method = run.description();
