@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._errors import CatenaError, InputError
+from ._how import how
 from ._model import Model
 
 # A fit has ended if the step without λ would move every parameter by less than this part of its standard deviation, or by roundings of itself.
@@ -123,7 +124,7 @@ def fit(
     if data.shape[1] != len(joints):
         raise InputError(f"data has {data.shape[1]} columns for {len(joints)} joints: {', '.join(joints)}")
     bounds = bounds or {}
-    step = float(spacing if step is None else step)
+    _, stages, step = how(None, stages, float(spacing) if step is None else step)
     theta = np.array([_value(model, q, v, key) for key in keys])
 
     def run(theta, count):

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from . import _catena
 from ._errors import InputError
+from ._how import tolerance_or_fixed
 from ._result import save_columns, table_of
 
 
@@ -424,11 +425,8 @@ class Model:
         ------
         InputError : as :meth:`sensitivity`
         """
-        if (stages is None) != (step is None):
-            raise InputError("stages and step go together")
         given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v))]
-        fixed = None if stages is None else (int(stages), float(step))
-        values, apart, warnings = self._inner.multipliers(float(period), *given, None if tolerance is None else float(tolerance), fixed)
+        values, apart, warnings = self._inner.multipliers(float(period), *given, *tolerance_or_fixed(tolerance, stages, step))
         return Multipliers(float(period), np.array([complex(*value) for value in values]), apart, warnings)
 
     def sensitivity(
@@ -464,11 +462,8 @@ class Model:
             forces are not unique where they let go, and many events in one instant
         """
         keys = [keys] if isinstance(keys, str) else [str(key) for key in keys]
-        if (stages is None) != (step is None):
-            raise InputError("stages and step go together")
         given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v))]
-        fixed = None if stages is None else (int(stages), float(step))
-        accuracy = None if tolerance is None else float(tolerance)
+        accuracy, fixed = tolerance_or_fixed(tolerance, stages, step)
         told = self._inner.sensitivity(keys, *given, float(duration), accuracy, fixed, None if times is None else flat(times, "times"))
         return Sensitivity(**told)
 
@@ -507,14 +502,12 @@ class Model:
         """
         keys = [keys] if isinstance(keys, str) else [str(key) for key in keys]
         times = flat(times, "times")
-        if (stages is None) != (step is None):
-            raise InputError("stages and step go together")
         if len(times) == 0:
             raise InputError("times: give one sample at least")
         if int(every) < 1:
             raise InputError(f"every is {every!r}: give 1 or more")
         given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v))]
-        fixed = None if stages is None else (int(stages), float(step))
+        accuracy, fixed = tolerance_or_fixed(tolerance, stages, step)
         seen = []
 
         def lost(t, q, v, events):
@@ -527,7 +520,6 @@ class Model:
             return float(said[0]), *rows, [_of_event(number, by) for number, by in dict(by_events).items()]
 
         length = float(times[-1]) if duration is None else float(duration)
-        accuracy = None if tolerance is None else float(tolerance)
         value, names, by, warnings = self._inner.gradient(keys, times, lost, *given, length, accuracy, fixed, int(every))
         return Gradient(value, by, names, seen[0], warnings)
 

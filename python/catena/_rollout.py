@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from . import _catena
 from ._errors import InputError
+from ._how import how
 from ._model import Model, as_array
 from ._named import NamedArray
 
@@ -78,7 +79,7 @@ def rollout(
     rate : samples per simulated second; without it only the start and the end
     threads : how many share the runs; 0 takes all cores. The results do not depend on it.
     tolerance : wanted accuracy of positions [m]
-    stages, step : instead of a tolerance, the stages of the scheme and its fixed step [s]
+    stages, step : instead of a tolerance, the stages of the scheme, 2 to 16, or 1 for steps over events, and its fixed step [s]
     controls : efforts along v (runs, ticks, n) or, the same for all runs, (ticks, n) [N m or N]
     targets : of motors, in the order of ``model.motor_names`` (runs, ticks, motors) or (ticks, motors)
     feedback : the gain K (n, len(q) + len(v)) of a feedback
@@ -89,6 +90,7 @@ def rollout(
     contacts, energies : whether these are wanted
     estimate : whether runs with a tolerance estimate their error; without it they take about half of the time
     """
+    tolerance, stages, step = how(tolerance, stages, step)
     places, motors = model._inner.v_places(), len(model.motor_names)
     params = {str(key): as_array(numbers, f"params {key}", 1, "(runs,)") for key, numbers in dict(params or {}).items()}
     shapes = [np.shape(given) for given in (controls, targets) if given is not None]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
-from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _catena
 from ._errors import InputError, RunError
+from ._how import how
 from ._model import Model, flat
 from ._named import NamedArray
 from ._result import Result
@@ -72,19 +72,8 @@ class Sim:
     def __init__(self, model, *, tolerance=None, stages=None, step=None, keep=(), estimate=True):
         if not isinstance(model, Model):
             raise InputError(f"model is {model!r}: give a catena.Model, as catena.load makes it")
-        if (stages is None) != (step is None) or (tolerance is not None and step is not None):
-            raise InputError("give a tolerance, or stages and step")
-        for name, value in (("tolerance", tolerance), ("stages", stages), ("step", step)):
-            if value is not None and not isinstance(value, Real):
-                raise InputError(f"{name} is {value!r}: must be a number")
-            if value is not None and not 0 < value < float("inf"):
-                said = "NaN" if value != value else f"{value:g}"
-                raise InputError(f"{name} is {said}: must be greater than zero, and finite")
-        if stages is not None and stages != int(stages):
-            raise InputError(f"stages is {stages:g}: must be a whole number, 2 to 16 of the scheme, or 1 for steps over events")
-        stages = None if stages is None else int(stages)
         self.model = model
-        self._how = (tolerance, stages, step, bool(estimate))
+        self._how = (*how(tolerance, stages, step), bool(estimate))
         self._keep = [keep] if isinstance(keep, str) else list(keep)
         self._controller = None
         self._efforts = None

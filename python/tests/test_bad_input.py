@@ -78,6 +78,29 @@ def test_what_is_no_model_or_no_number_is_named(arm):
         catena.Sim(arm).controller = print
 
 
+def test_all_that_runs_refuses_the_same_stages_and_tolerances(arm):
+    q, v = arm.start()
+    ways = (
+        lambda **how: catena.Sim(arm, **how),
+        lambda **how: catena.rollout(arm, q, v, 0.1, **how),
+        lambda **how: arm.sensitivity("start.v", duration=0.1, **how),
+        lambda **how: arm.multipliers(0.1, **how),
+        lambda **how: arm.gradient("start.v", [0.1], lambda run: (0.0, None, None), **how),
+    )
+    for way in ways:
+        for how, message in (
+            ({"stages": 2.5, "step": 0.1}, "stages is 2.5: must be a whole number"),
+            ({"stages": 3, "step": -0.1}, "step is -0.1: must be greater than zero"),
+            ({"tolerance": "fine"}, "tolerance is 'fine': must be a number"),
+            ({"tolerance": 1e-6, "stages": 3, "step": 0.01}, "give a tolerance, or stages and step"),
+            ({"stages": 3}, "give a tolerance, or stages and step"),
+        ):
+            with pytest.raises(catena.InputError, match=message):
+                way(**how)
+    with pytest.raises(catena.InputError, match="stages is 2.5: must be a whole number"):
+        catena.fit(arm, [0.0, 0.1], [q, q], ["start.v"], stages=2.5)
+
+
 def test_wrong_options_together(arm):
     with pytest.raises(catena.InputError, match="a tolerance, or stages and step"):
         catena.Sim(arm, tolerance=1e-6, step=0.1)
