@@ -50,6 +50,7 @@
 //! | `plot` | figures as SVG and PNG, charts and stability maps, with plotters | yes |
 //! | `scene` | scene files and sweeps, with toml | yes |
 //! | `parquet` | rows of sweeps as Apache Parquet | no |
+//! | `urdf-rs` | models of robots of `urdf-rs` | no |
 //!
 //! Without these features (`default-features = false`) the library reads URDF files, runs them, gives reports, and calls an
 //! [`Observer`](observing::Observer) during runs.
@@ -72,6 +73,8 @@ extern crate self as catena;
 
 pub mod errors;
 pub mod observing;
+#[cfg(feature = "urdf-rs")]
+pub mod of_urdf_rs;
 pub mod prelude;
 pub mod report;
 

@@ -1,5 +1,7 @@
 //! The names that most programs need.
 
+#[cfg(feature = "urdf-rs")]
+pub use crate::of_urdf_rs::{FromUrdfRs, LoadUrdfRs};
 pub use crate::mechanism::description::joint::Pose;
 pub use crate::mechanism::motion::energy::Energy;
 pub use crate::model::{Left, LinkState};

@@ -116,3 +116,21 @@ fn a_full_disk_ends_the_run_with_an_error() {
     let error = simulation.run().and_then(|()| simulation.finish().map(drop)).expect_err("no room");
     assert!(error.to_string().contains("/dev/full"), "{error}");
 }
+
+#[test]
+fn the_text_of_a_robot_is_the_model_of_its_file_and_its_errors_have_the_name_and_the_line() {
+    let path = format!("{}/robots/quadruped.urdf", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).expect("the file");
+    let (ours, theirs) = (Model::load(&path), Model::loader().load_urdf_text(&text, "robots/quadruped.urdf"));
+    let (ours, theirs) = (ours.expect("a model"), theirs.expect("a model"));
+    let (q, v) = ours.start().expect("a start");
+    assert_eq!(theirs.start().expect("a start"), (q.clone(), v));
+    let [one, two] = [&ours, &theirs].map(|model| model.mass_matrix(&q).expect("a matrix"));
+    assert_eq!(one, two);
+    // Nothing is read from a file of this name.
+    let broken = text.replacen("<mass value=\"", "<mass value=\"-", 1);
+    let line = 1 + broken.lines().position(|line| line.contains("<mass value=\"-")).expect("a mass");
+    let refused = Model::loader().load_urdf_text(&broken, "nowhere/of_a_program.urdf").expect_err("a negative mass");
+    let (words, place) = (refused.to_string(), format!("nowhere/of_a_program.urdf:{line}:"));
+    assert!(words.starts_with(&place) && words.contains("mass"), "{words}");
+}

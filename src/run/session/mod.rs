@@ -17,8 +17,6 @@ mod coordinates;
 mod description;
 mod dynamics;
 mod error;
-#[cfg(feature = "urdf-rs")]
-mod from_urdf_rs;
 mod halved;
 mod held_start;
 mod linear;
@@ -37,6 +35,7 @@ mod special_output;
 mod state;
 mod tangents;
 mod ticks;
+mod urdf_text;
 mod watch;
 mod words;
 mod world;

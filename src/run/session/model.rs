@@ -135,7 +135,7 @@ impl Loader {
         Ok(Model::of_loaded(loaded, path.to_path_buf(), self.world))
     }
 
-    #[cfg(feature = "urdf-rs")]
+    /// What is beside the file.
     pub(crate) fn world(&self) -> &World {
         &self.world
     }
