@@ -225,11 +225,11 @@ fn compared(seeds: Range<u64>) -> BTreeMap<slopes::Verdict, usize> {
 }
 
 #[test]
-fn forty_random_scenes_have_the_derivatives_of_their_runs() {
-    let counts = compared(0..40);
+fn twenty_random_scenes_have_the_derivatives_of_their_runs() {
+    let counts = compared(0..20);
     assert!(!counts.contains_key(&slopes::Verdict::Wrong), "{counts:?}");
     // Of three numbers in each; heaps and clatter are refused, and starts in touch have none.
-    assert!(counts.get(&slopes::Verdict::Agrees).is_some_and(|count| *count > 80), "{counts:?}");
+    assert!(counts.get(&slopes::Verdict::Agrees).is_some_and(|count| *count > 40), "{counts:?}");
 }
 
 /// Seeds whose derivatives were wrong once.
