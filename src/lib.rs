@@ -74,7 +74,7 @@ extern crate self as catena;
 pub mod errors;
 pub mod observing;
 #[cfg(feature = "urdf-rs")]
-pub mod of_urdf_rs;
+mod of_urdf_rs;
 pub mod prelude;
 pub mod report;
 

@@ -33,7 +33,7 @@ const FLOORS: [(&str, &[&str]); 8] = [
     ("run", &["simulation", "derivatives", "output", "session"]),
     ("page", &["page", "film"]),
     ("study", &["chart", "stress", "sweep"]),
-    ("catena", &["errors", "observing", "report", "prelude", "cli"]),
+    ("catena", &["errors", "observing", "report", "of_urdf_rs", "prelude", "cli"]),
 ];
 
 /// The crates from the ground up.
