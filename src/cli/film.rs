@@ -30,15 +30,15 @@ pub struct FilmArgs {
     size: Option<[usize; 2]>,
 
     /// Pictures in a second of the film
-    #[arg(long, value_name = "RATE", default_value_t = 25.0)]
+    #[arg(long, value_name = "RATE", default_value_t = 25.0, allow_hyphen_values = true)]
     fps: f64,
 
     /// Seconds of the run in a second of the film: 0.1 is slow motion
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true)]
     speed: f64,
 
     /// First and last instant of the film [s]; for .png the instants of the pictures, side by side [default: the whole run; for .png its end]
-    #[arg(long, value_name = "T,…", value_delimiter = ',')]
+    #[arg(long, value_name = "T,…", value_delimiter = ',', allow_hyphen_values = true)]
     time: Vec<f64>,
 
     /// The side to look from: corner, front, back, left, right, top, or the direction to the camera x,y,z

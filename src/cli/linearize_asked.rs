@@ -31,7 +31,7 @@ pub struct LinearizeArgs {
     pub(crate) by: Vec<String>,
 
     /// The multipliers of the motion from the start on, or from --at T on, over this period [s], instead of modes
-    #[arg(long, value_name = "T", value_parser = positive, conflicts_with_all = ["by", "discrete"])]
+    #[arg(long, value_name = "T", value_parser = positive, allow_hyphen_values = true, conflicts_with_all = ["by", "discrete"])]
     pub(crate) orbit: Option<f64>,
 
     /// Print one JSON object, with all matrices, instead of a table

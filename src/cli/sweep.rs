@@ -51,7 +51,7 @@ pub struct SweepArgs {
     json: bool,
 
     /// Print on standard error every S seconds how many rows are written, for the logs of clusters
-    #[arg(long, value_name = "S", value_parser = not_negative, conflicts_with = "merge", help_heading = "Rows")]
+    #[arg(long, value_name = "S", value_parser = not_negative, allow_hyphen_values = true, conflicts_with = "merge", help_heading = "Rows")]
     progress: Option<f64>,
 
     /// Print errors and warnings only

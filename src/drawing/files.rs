@@ -12,11 +12,15 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), ChartError> {
     write_with(path, |part| fs::write(part, text).map_err(|reason| ChartError::Write { path: path.into(), reason }))
 }
 
-/// Writes a file with a function that is given the path to write to. A link stays a link, and its target is written.
+/// Writes a file with a function that is given the path to write to. A link stays a link, and its target is written. What is no file, such as
+/// `/dev/null` or a named pipe, is written to as it is: a file in its place would be there for every other program, too.
 ///
 /// # Errors
 /// The errors of the function, and [`ChartError::Write`]; the old file is then unchanged.
 pub fn write_with<E: From<ChartError>>(path: &Path, write: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
+    if fs::metadata(path).is_ok_and(|known| !known.is_file() && !known.is_dir()) {
+        return write(path);
+    }
     let place = behind_links(path);
     let part = part_name(&place);
     let rename = || fs::rename(&part, &place).map_err(|reason| ChartError::Write { path: path.into(), reason });

@@ -4,7 +4,7 @@
 use crate::common::command::{ENDLESS, assert_one_error, catena, folder, run, text};
 use std::fs::File;
 use std::io::Read;
-use std::os::unix::fs::symlink;
+use std::os::unix::fs::{FileTypeExt, symlink};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -75,6 +75,21 @@ fn a_pipe_that_is_read_gets_the_whole_log() {
     let log = std::fs::read(folder.join("pipe.mcap")).expect("read");
     assert!(child.wait_with_output().expect("ends").status.success());
     assert!(mcap::Summary::read(&log).is_ok_and(|summary| summary.is_some()), "a complete log");
+}
+
+#[test]
+fn a_page_into_a_pipe_leaves_the_pipe_where_it_is() {
+    let folder = folder("page_into_pipe");
+    if !pipe(&folder) {
+        return;
+    }
+    let page = folder.join("page.html");
+    std::fs::rename(folder.join("pipe.mcap"), &page).expect("renamed");
+    let child = catena(&folder, &["model", "pendulum.urdf", "-o", "page.html"]).spawn().expect("runs");
+    let written = std::fs::read_to_string(&page).expect("read");
+    assert!(child.wait_with_output().expect("ends").status.success());
+    assert!(written.ends_with("</html>\n") || written.ends_with("</html>"), "a whole page");
+    assert!(page.metadata().expect("there").file_type().is_fifo(), "it is a pipe still");
 }
 
 /// The time, the topic and the content of every message of a complete log.

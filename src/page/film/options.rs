@@ -15,6 +15,9 @@ pub const SIDES: std::ops::RangeInclusive<usize> = 16..=4096;
 /// Fewest and most pictures a second: GIF counts in hundredths of a second, in 16 bits.
 pub const RATES: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
+/// The most pictures of a film: more than an hour of it.
+const MOST_PICTURES: f64 = 1e5;
+
 /// The options of a film.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmOptions {
@@ -98,7 +101,14 @@ impl FilmOptions {
         }
         let step = self.speed / self.rate;
         // A last picture that is late by roundings is shown, too.
-        let count = ((to - from) / step + 1e-6).floor() as usize;
+        let count = ((to - from) / step + 1e-6).floor();
+        if count > MOST_PICTURES {
+            let reason = format!(
+                "the film would have {count:.3e} pictures, more than {MOST_PICTURES:e}: give a larger one, or less of the run by --time"
+            );
+            return Err(FilmError::option("--speed", self.speed, reason));
+        }
+        let count = count as usize;
         Ok((0..=count).map(|k| (from + k as f64 * step).min(to)).collect())
     }
 }
@@ -116,6 +126,9 @@ mod tests {
         let part = FilmOptions { times: vec![0.25, 0.5], ..slow.clone() };
         assert_eq!(part.instants(Format::Mp4, [0.0, 1.0]).expect("instants").len(), 11);
         assert_eq!(slow.instants(Format::Png, [0.0, 1.0]).expect("instants"), [1.0]);
+        let endless = FilmOptions { speed: 1e-9, ..FilmOptions::default() };
+        let refused = endless.instants(Format::Gif, [0.0, 2.0]).expect_err("endless").to_string();
+        assert!(refused.starts_with("--speed 0.000000001: the film would have 5.000e10 pictures"), "{refused}");
         let outside = FilmOptions { times: vec![1.5], ..slow };
         let refused = outside.instants(Format::Png, [0.0, 1.0]).expect_err("outside").to_string();
         assert_eq!(refused, "--time 1.5: the log has samples from 0 to 1 s");

@@ -1,6 +1,6 @@
 //! A loaded model, and the state in which its run starts.
 
-use crate::instant::start::assembly::{assemble_counted, assemble_on_closures};
+use crate::instant::start::assembly::{assemble_counted, assemble_on_closures, overlap_in_words};
 use crate::instant::start::gimbal_lock::leave_gimbal_lock;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::nonsmooth::Motor;
@@ -179,10 +179,9 @@ impl Loaded {
         // A move by limits alone has another warning.
         let open = || violation(mechanism, &given, &body_states(mechanism, &given)).position > UNNOTICEABLE;
         let apart = correction.overlap.and_then(|(number, depth)| {
-            let pair = mechanism.nonsmooth.pairs.with_number(number)?;
-            let [a, b] = [pair.a, pair.b].map(|of| mechanism.nonsmooth.colliders[of].name.as_str());
+            let [words, _] = overlap_in_words(mechanism, number, depth)?;
             Some(format!(
-                "{a:?} and {b:?} start {depth:.1e} m inside each other: initial positions were adjusted to separate them, by up to {:.1e} rad or m",
+                "{words}: initial positions were adjusted to it, by up to {:.1e} rad or m",
                 correction.position
             ))
         });

@@ -50,6 +50,7 @@ fn a_run_goes_on_from_an_instant_of_a_log_as_the_run_of_the_log_did() {
     let on = ["simulate", "pendulum.urdf", "--from", "whole.mcap@0.5", "--tolerance=1e-10", "--duration=1.5"];
     let rest = json(&run(&folder, &[&on[..], &["-o", "rest.mcap", "--json"]].concat()));
     assert_eq!(rest["duration"], whole["duration"], "it goes on at the time of the log");
+    assert_eq!((&whole["start"], &rest["start"]), (&0.0.into(), &0.5.into()));
     let said = run(&folder, &[&on[..], &["-o", "rest.mcap"]].concat());
     assert!(text(&said.stdout).contains(": 1.5 s simulated in"), "{}", text(&said.stdout));
     let before = std::fs::read(folder.join("whole.mcap")).expect("a log");

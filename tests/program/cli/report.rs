@@ -12,7 +12,7 @@ fn json_has_every_key_of_the_interface_and_is_alone_on_standard_output() {
     let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
     let expected: Value = serde_json::from_str(
         r#"{
-        "catena": "", "input": "", "scene": "", "duration": 0,
+        "catena": "", "input": "", "scene": "", "start": 0, "duration": 0,
         "method": {"stages": 0, "order": 0, "step": 0, "adaptive": true, "tolerance": 0,
             "max_frequency_step": null, "digits": 16, "reversible_resets": null,
             "crowd": {"steps": 0, "time_share": 0, "order": 0, "worst_residual": 0, "asleep_share": 0, "lift": 0},

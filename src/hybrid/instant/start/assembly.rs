@@ -14,6 +14,7 @@ use crate::lobatto::coupled::known::Known;
 use crate::lobatto::coupled::projection::{Projected, Projection};
 use crate::lobatto::stages::start::Start;
 use crate::mechanism::description::closure::JointLimit;
+use crate::mechanism::description::contact::Shape;
 use crate::mechanism::description::contact_pairs::ContactPairs;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::gaps::loop_gaps;
@@ -86,12 +87,9 @@ pub enum AssemblyError {
         "joint {joint:?} starts {excess:.3e} {unit} outside its limits, and moving it in fails; give it an initial position inside"
     )]
     Outside { joint: String, excess: f64, unit: &'static str },
-    /// Shapes start inside each other and cannot be moved apart.
-    #[error(
-        "{a:?} and {b:?} start {depth:.3e} m inside each other, and moving them apart fails; move the start, or let them pass with \
-         [[contact.pair]] ignore = true"
-    )]
-    Overlap { a: String, b: String, depth: f64 },
+    /// Shapes start inside each other, or a rope is too short, and they cannot be moved apart.
+    #[error("{words}, and moving them apart fails; {advice}")]
+    Overlap { words: String, advice: String },
     /// At rest in a singular position.
     #[error(
         "the mechanism starts at rest in a singular position, where its loops leave {extra} more degrees of freedom than near it: \
@@ -199,11 +197,8 @@ fn assemble_moving(
     let (overlap, left) = without_overlap(mechanism, state, again);
     done.0.overlap = overlap;
     if let Some((number, depth)) = left {
-        let nonsmooth = &mechanism.nonsmooth;
-        let pair = nonsmooth.pairs.with_number(number);
-        let name = |of: usize| nonsmooth.colliders[of].name.clone();
-        let (a, b) = pair.map_or_else(Default::default, |pair| (name(pair.a), name(pair.b)));
-        return Err(AssemblyError::Overlap { a, b, depth });
+        let [words, advice] = overlap_in_words(mechanism, number, depth).unwrap_or_default();
+        return Err(AssemblyError::Overlap { words, advice });
     }
     done.0.position = largest_change(&wanted, state);
     Ok(done)
@@ -317,4 +312,21 @@ pub fn redundancy_counted(mechanism: &Mechanism, counted: &Counted) -> Redundanc
         }
     }
     Redundancy { equations: closures.len(), redundant }
+}
+
+/// What is wrong with a start at which the colliders of the pair of this number overlap by `depth` (m), and what the user may do about it.
+pub fn overlap_in_words(mechanism: &Mechanism, number: usize, depth: f64) -> Option<[String; 2]> {
+    let nonsmooth = &mechanism.nonsmooth;
+    let pair = nonsmooth.pairs.with_number(number)?;
+    let [a, b] = [pair.a, pair.b].map(|of| &nonsmooth.colliders[of]);
+    Some(match a.shape {
+        Shape::Hollow { .. } => [
+            format!("rope {:?} is {depth:.1e} m too short for where {:?} starts", a.name, b.name),
+            "give it more length, or move the start".to_string(),
+        ],
+        _ => [
+            format!("{:?} and {:?} start {depth:.1e} m inside each other", a.name, b.name),
+            "move the start, or let them pass with [[contact.pair]] ignore = true".to_string(),
+        ],
+    })
 }

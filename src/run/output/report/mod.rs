@@ -53,8 +53,7 @@ pub struct Report {
     pub input: String,
     /// Name of the robot or scene.
     pub scene: String,
-    /// The time at the start (s): zero, but for runs that go on from a log. Not in JSON.
-    #[serde(skip)]
+    /// The time at the start (s): zero, but for runs that go on from a log.
     pub start: f64,
     /// The time at the end (s), from a start at zero the simulated time.
     pub duration: f64,
