@@ -124,7 +124,7 @@ def fit(
     if data.shape[1] != len(joints):
         raise InputError(f"data has {data.shape[1]} columns for {len(joints)} joints: {', '.join(joints)}")
     bounds = bounds or {}
-    _, stages, step = how(None, stages, float(spacing) if step is None else step)
+    _, (stages, step) = how(None, stages, float(spacing) if step is None else step)
     theta = np.array([_value(model, q, v, key) for key in keys])
 
     def run(theta, count):

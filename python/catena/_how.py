@@ -8,7 +8,7 @@ from ._errors import InputError
 
 
 def how(tolerance, stages, step):
-    """The tolerance [m], the stages and the step [s] as numbers, or None where they are not given.
+    """The tolerance [m], and the stages with their step [s]; None for that which is not given.
 
     Raises
     ------
@@ -24,11 +24,4 @@ def how(tolerance, stages, step):
             raise InputError(f"{name} is {said}: must be greater than zero, and finite")
     if stages is not None and stages != int(stages):
         raise InputError(f"stages is {stages:g}: must be a whole number, 2 to 16 of the scheme, or 1 for steps over events")
-    as_float = lambda value: None if value is None else float(value)
-    return as_float(tolerance), None if stages is None else int(stages), as_float(step)
-
-
-def tolerance_or_fixed(tolerance, stages, step):
-    """The tolerance, and the stages with their step, as derivatives are asked for."""
-    tolerance, stages, step = how(tolerance, stages, step)
-    return tolerance, None if stages is None else (stages, step)
+    return None if tolerance is None else float(tolerance), None if stages is None else (int(stages), float(step))

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from . import _catena
 from ._errors import InputError
-from ._how import tolerance_or_fixed
+from ._how import how
 from ._result import save_columns, table_of
 
 
@@ -426,7 +426,7 @@ class Model:
         InputError : as :meth:`sensitivity`
         """
         given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v))]
-        values, apart, warnings = self._inner.multipliers(float(period), *given, *tolerance_or_fixed(tolerance, stages, step))
+        values, apart, warnings = self._inner.multipliers(float(period), *given, *how(tolerance, stages, step))
         return Multipliers(float(period), np.array([complex(*value) for value in values]), apart, warnings)
 
     def sensitivity(
@@ -463,7 +463,7 @@ class Model:
         """
         keys = [keys] if isinstance(keys, str) else [str(key) for key in keys]
         given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v))]
-        accuracy, fixed = tolerance_or_fixed(tolerance, stages, step)
+        accuracy, fixed = how(tolerance, stages, step)
         told = self._inner.sensitivity(keys, *given, float(duration), accuracy, fixed, None if times is None else flat(times, "times"))
         return Sensitivity(**told)
 
@@ -507,7 +507,7 @@ class Model:
         if int(every) < 1:
             raise InputError(f"every is {every!r}: give 1 or more")
         given = [None if numbers is None else flat(numbers, name) for name, numbers in (("q", q), ("v", v))]
-        accuracy, fixed = tolerance_or_fixed(tolerance, stages, step)
+        accuracy, fixed = how(tolerance, stages, step)
         seen = []
 
         def lost(t, q, v, events):

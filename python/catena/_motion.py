@@ -21,7 +21,7 @@ class Motion:
         self.q, self.v = (np.array(start[i] if given is None else given, float) for i, given in enumerate((q, v)))
         if len(self.q) != len(self.v):
             raise InputError("this is for joints of one freedom; ball and floating joints have others")
-        _, self.stages, self.step = how(None, stages, step)
+        _, (self.stages, self.step) = how(None, stages, step)
         self.samples = round(float(duration) / self.step) + 1
         self.shape = (self.samples, len(self.v))
         self.against_time = len(self.keys) > FEW if against_time is None else bool(against_time)

@@ -90,7 +90,7 @@ def rollout(
     contacts, energies : whether these are wanted
     estimate : whether runs with a tolerance estimate their error; without it they take about half of the time
     """
-    tolerance, stages, step = how(tolerance, stages, step)
+    tolerance, fixed = how(tolerance, stages, step)
     places, motors = model._inner.v_places(), len(model.motor_names)
     params = {str(key): as_array(numbers, f"params {key}", 1, "(runs,)") for key, numbers in dict(params or {}).items()}
     shapes = [np.shape(given) for given in (controls, targets) if given is not None]
@@ -116,7 +116,7 @@ def rollout(
     about = _NONE if reference is None else as_array(reference, "reference", 1, "(len(q) + len(v),)")
     numbers = [(key, list(numbers)) for key, numbers in params.items()]
     done = _catena.rollout(
-        model._inner, q0, v0, duration, tolerance, stages, step, rate, threads,
+        model._inner, q0, v0, duration, tolerance, fixed, rate, threads,
         period, efforts, aims, gain, about, numbers, contacts, energies, estimate,
     )  # fmt: skip
     told = {run: lines for run, lines in enumerate(done.warnings) if lines}

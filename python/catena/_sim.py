@@ -66,14 +66,16 @@ class Sim:
 
     # An assignment to another name, as in ``sim.controller = law``, is an error.
     __slots__ = (
-        "model", "_how", "_keep", "_controller", "_efforts", "_targets", "_held", "_run", "_start", "_q", "_v", "_time", "_moved", "__weakref__",
+        "model", "_how", "_estimate", "_keep", "_controller", "_efforts", "_targets", "_held", "_run", "_start", "_q", "_v", "_time", "_moved", "__weakref__",
     )
 
     def __init__(self, model, *, tolerance=None, stages=None, step=None, keep=(), estimate=True):
         if not isinstance(model, Model):
             raise InputError(f"model is {model!r}: give a catena.Model, as catena.load makes it")
         self.model = model
-        self._how = (*how(tolerance, stages, step), bool(estimate))
+        self._how = {"tolerance": tolerance, "stages": stages, "step": step}
+        how(**self._how)
+        self._estimate = bool(estimate)
         self._keep = [keep] if isinstance(keep, str) else list(keep)
         self._controller = None
         self._efforts = None
@@ -167,8 +169,7 @@ class Sim:
         return copy
 
     def _alike(self):
-        tolerance, stages, step, estimate = self._how
-        copy = Sim(self.model, tolerance=tolerance, stages=stages, step=step, keep=self._keep, estimate=estimate)
+        copy = Sim(self.model, **self._how, keep=self._keep, estimate=self._estimate)
         copy._controller = self._controller
         return copy
 
@@ -178,7 +179,7 @@ class Sim:
         return self.copy()
 
     def __reduce__(self):
-        return _sim, (self.model, self._how, self._keep, self._controller, self.state)
+        return _sim, (self.model, self._how, self._estimate, self._keep, self._controller, self.state)
 
     def set_controller(
         self,
@@ -272,8 +273,7 @@ class Sim:
         self._know_held(run.held_efforts(), run.held_targets())
         result = Result(self.model, run.finish())
         if keys:
-            tolerance, stages, step, _ = self._how
-            result.sensitivity = self.model.sensitivity(keys, *start, duration=self._time, tolerance=tolerance, stages=stages, step=step)
+            result.sensitivity = self.model.sensitivity(keys, *start, duration=self._time, **self._how)
         return result
 
     def step(self, duration: float) -> None:
@@ -345,12 +345,11 @@ class Sim:
             run.set_target(joint, target)
 
     def _begin(self, duration, rate, log, record, controller, figures):
-        tolerance, stages, step, estimate = self._how
         log = None if log is None else os.fspath(log)
         numbers = [np.ascontiguousarray(self._q), np.ascontiguousarray(self._v)]
         held = (self._run.held_efforts(), self._run.held_targets()) if self._is_here() else self._known_held() or (None, {})
         run = _catena.Run(
-            self.model._inner, *numbers, self._time, *held, duration, tolerance, stages, step, rate, self._keep, log, record, figures, estimate
+            self.model._inner, *numbers, self._time, *held, duration, *how(**self._how), rate, self._keep, log, record, figures, self._estimate
         )
         if controller is not None:
             run.set_controller(controller[1], controller[0])
@@ -364,9 +363,8 @@ class Sim:
         return f"<catena.Sim of {self.model.name!r} at t = {self._time:.9g} s>"
 
 
-def _sim(model, how, keep, controller, state):
-    tolerance, stages, step, estimate = how
-    sim = Sim(model, tolerance=tolerance, stages=stages, step=step, keep=keep, estimate=estimate)
+def _sim(model, given, estimate, keep, controller, state):
+    sim = Sim(model, **given, keep=keep, estimate=estimate)
     sim._controller = controller
     sim.state = state
     return sim

@@ -27,7 +27,7 @@ pub struct Rolled {
 
 /// Runs the model from every row of q0 and v0.
 #[pyfunction]
-#[pyo3(signature = (model, q0, v0, duration, tolerance, stages, step, rate, threads, period, efforts, targets, feedback, reference, params, contacts, energies, estimate))]
+#[pyo3(signature = (model, q0, v0, duration, tolerance, fixed, rate, threads, period, efforts, targets, feedback, reference, params, contacts, energies, estimate))]
 #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
 pub fn rollout<'py>(
     py: Python<'py>,
@@ -36,8 +36,7 @@ pub fn rollout<'py>(
     v0: PyReadonlyArray2<'py, f64>,
     duration: Option<f64>,
     tolerance: Option<f64>,
-    stages: Option<usize>,
-    step: Option<f64>,
+    fixed: Option<(usize, f64)>,
     rate: Option<f64>,
     threads: usize,
     period: Option<f64>,
@@ -50,9 +49,6 @@ pub fn rollout<'py>(
     energies: bool,
     estimate: bool,
 ) -> PyResult<Rolled> {
-    if stages.is_some() != step.is_some() || (tolerance.is_some() && step.is_some()) {
-        return Err(input(py, "give a tolerance, or stages and step"));
-    }
     let places = model.inner.coordinates();
     for (what, given, wanted) in
         [("q0", q0.as_array().ncols(), places.q_count()), ("v0", v0.as_array().ncols(), places.v_count())]
@@ -74,7 +70,7 @@ pub fn rollout<'py>(
         duration,
         tolerance,
         no_estimate: !estimate,
-        fixed: stages.zip(step),
+        fixed,
         rate,
         threads,
         interrupt: Some(&interrupt),

@@ -29,7 +29,7 @@ type Written<'py> = PyReadwriteArray1<'py, f64>;
 #[pymethods]
 impl Run {
     #[new]
-    #[pyo3(signature = (model, q, v, begin, held, held_at, duration, tolerance, stages, step, rate, keep, log, record, figures, estimate))]
+    #[pyo3(signature = (model, q, v, begin, held, held_at, duration, tolerance, fixed, rate, keep, log, record, figures, estimate))]
     #[expect(clippy::too_many_arguments, reason = "each is an option of its own")]
     fn new(
         py: Python<'_>,
@@ -41,8 +41,7 @@ impl Run {
         held_at: HeldTargets,
         duration: Option<f64>,
         tolerance: Option<f64>,
-        stages: Option<usize>,
-        step: Option<f64>,
+        fixed: Option<(usize, f64)>,
         rate: Option<f64>,
         keep: Vec<String>,
         log: Option<PathBuf>,
@@ -51,11 +50,11 @@ impl Run {
         estimate: bool,
     ) -> PyResult<Self> {
         let mut simulation = Simulation::new(&model.inner).begin_at(begin).hold_targets(held_at);
-        match (tolerance, stages, step) {
-            (None, None, None) => {}
-            (Some(tolerance), None, None) => simulation = simulation.tolerance(tolerance),
-            (None, Some(stages), Some(step)) => simulation = simulation.fixed(stages, step),
-            _ => return Err(input(py, "give a tolerance, or stages and step")),
+        if let Some(tolerance) = tolerance {
+            simulation = simulation.tolerance(tolerance);
+        }
+        if let Some((stages, step)) = fixed {
+            simulation = simulation.fixed(stages, step);
         }
         if let Some(held) = held {
             simulation = simulation.hold_efforts(&held).map_err(|error| refuse(py, error))?;

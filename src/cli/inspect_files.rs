@@ -43,12 +43,6 @@ pub(crate) fn kinds(log: &Path) -> JointKinds {
 
 pub(crate) fn write_csv(log: &Path, table: &Path) -> anyhow::Result<()> {
     let kinds = kinds(log);
-    if std::fs::metadata(table).is_ok_and(|file| !file.is_file()) {
-        // A pipe or device cannot be replaced by a finished file.
-        let mut out = BufWriter::new(File::create(table).with_context(|| format!("cannot write {}", table.display()))?);
-        write_table(log, &kinds, &mut out).with_context(|| format!("cannot write {}", table.display()))?;
-        return out.flush().with_context(|| format!("cannot write {}", table.display()));
-    }
     write_whole(table, |out| Ok(write_table(log, &kinds, out)?))
 }
 

@@ -13,6 +13,7 @@ use crate::cli::sensitivity::{By, RunSettings, as_text, deviations, differentiat
 use crate::cli::terminal::printing::{Failure, print, print_json};
 use crate::cli::terminal::progress::Progress;
 use anyhow::{Context, anyhow};
+use catena::drawing::files::is_special;
 use catena::mechanism::motion::state::State;
 use catena::output::inspection::summary::Summary;
 use catena::output::log::{Derivatives, DerivativesRow, LogOptions};
@@ -286,7 +287,7 @@ fn check_report(page: &Path, log: &Path, model: &catena::model::Model) -> anyhow
     if is_same(page, log) {
         return Err(anyhow!("the log and the page are the same file {}; choose another --report", page.display()));
     }
-    if log.metadata().is_ok_and(|metadata| !metadata.is_file()) {
+    if is_special(log) {
         return Err(anyhow!("--report reads the log, and {} is no file; choose another --output", log.display()));
     }
     Ok(())

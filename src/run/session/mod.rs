@@ -69,7 +69,7 @@ pub use model::{Loader, Model};
 #[doc(hidden)]
 pub use place::check_log;
 #[doc(hidden)]
-pub use place::{check_place, folder_of, is_special};
+pub use place::{check_place, folder_of};
 pub use recording::{Recording, SharedRecording};
 #[doc(hidden)]
 pub use running::{Course, Finish, Running};

@@ -135,7 +135,7 @@ impl Loader {
         Ok(Model::of_loaded(loaded, path.to_path_buf(), self.world))
     }
 
-    /// What is beside the file.
+    /// The options.
     pub(crate) fn world(&self) -> &World {
         &self.world
     }

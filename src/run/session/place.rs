@@ -11,11 +11,6 @@ fn refuse(path: &Path, reason: String) -> Error {
     Error::Output { path: path.to_path_buf(), reason }
 }
 
-/// Whether a path is a pipe or device, to which bytes are written for good.
-pub fn is_special(path: &Path) -> bool {
-    std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file())
-}
-
 /// The folder of a path.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))

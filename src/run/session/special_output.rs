@@ -3,9 +3,9 @@
 //! The file is opened on a thread of its own, while this one looks whether the run is interrupted. Whoever holds it has a reader, so that the log can
 //! open it again without waiting.
 
+use crate::drawing::files::is_special;
 use crate::output::log::LogError;
 use crate::session::error::Error;
-use crate::session::place::is_special;
 use std::fs::{File, OpenOptions};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};

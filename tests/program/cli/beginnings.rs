@@ -239,3 +239,18 @@ fn xacro_is_expanded_by_its_program_and_without_it_the_error_says_how_to_get_it(
     let output = piped.env("PATH", &path).stdin(source).output().expect("catena runs");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }
+
+#[test]
+fn a_rope_that_is_too_short_for_the_start_is_named_with_what_it_lacks() {
+    let folder = folder("short_rope");
+    std::fs::write(
+        folder.join("rope.toml"),
+        "[[body]]\nname = \"load\"\nshape = { type = \"sphere\", radius = 0.1 }\nmass = 1\n[[rope]]\nlength = 1.5\n\
+         points = [{ link = \"world\", position = [0, 0, 1.9] }, { link = \"load\", position = [0, 0, 0] }]\n",
+    )
+    .expect("written");
+    let output = run(&folder, &["simulate", "rope.toml", "--duration", "0.01", "--no-log"]);
+    let said = text(&output.stdout);
+    let wanted = "rope \"rope1\" is 4.0e-1 m too short for where \"load\" starts: initial positions were adjusted to it, by up to 4.0e-1 rad or m";
+    assert!(said.contains(wanted), "{said}");
+}

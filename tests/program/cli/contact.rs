@@ -177,21 +177,6 @@ fn a_start_inside_a_floor_is_moved_out_and_said() {
     }
 }
 
-#[test]
-fn a_rope_that_is_too_short_for_the_start_is_named_with_what_it_lacks() {
-    let folder = folder("short_rope");
-    std::fs::write(
-        folder.join("rope.toml"),
-        "[[body]]\nname = \"load\"\nshape = { type = \"sphere\", radius = 0.1 }\nmass = 1\n[[rope]]\nlength = 1.5\n\
-         points = [{ link = \"world\", position = [0, 0, 1.9] }, { link = \"load\", position = [0, 0, 0] }]\n",
-    )
-    .expect("written");
-    let output = run(&folder, &["simulate", "rope.toml", "--duration", "0.01", "--no-log"]);
-    let said = text(&output.stdout);
-    let wanted = "rope \"rope1\" is 4.0e-1 m too short for where \"load\" starts: initial positions were adjusted to it, by up to 4.0e-1 rad or m";
-    assert!(said.contains(wanted), "{said}");
-}
-
 /// Adds the robot whose tip has this mesh.
 fn with_mesh(folder: &Path, file: &str) {
     let urdf = std::fs::read_to_string(folder.join("touching.urdf")).expect("there");

@@ -314,7 +314,7 @@ pub fn redundancy_counted(mechanism: &Mechanism, counted: &Counted) -> Redundanc
     Redundancy { equations: closures.len(), redundant }
 }
 
-/// What is wrong with a start at which the colliders of the pair of this number overlap by `depth` (m), and what the user may do about it.
+/// The defect of a start at which the colliders of a pair, by its number, overlap by `depth` (m), and the remedy.
 pub fn overlap_in_words(mechanism: &Mechanism, number: usize, depth: f64) -> Option<[String; 2]> {
     let nonsmooth = &mechanism.nonsmooth;
     let pair = nonsmooth.pairs.with_number(number)?;

@@ -12,6 +12,7 @@
 //! A file that is being written is locked, so that a second run does not write into it and readers know that there
 //! will be more.
 
+use crate::drawing::files::{behind_links, is_special};
 use crate::output::log::reading::reader::is_unfinished;
 use crate::output::log::storage::error::LogError;
 use std::ffi::OsString;
@@ -19,9 +20,6 @@ use std::fs::{File, Metadata, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-
-/// Most links that point to each other before they are taken for a circle.
-const LINKS: usize = 40;
 
 /// The place of a log that is being written.
 pub(crate) struct Output {
@@ -52,8 +50,7 @@ impl Output {
         let refuse = |path: &Path, reason| LogError::Create { path: path.to_path_buf(), reason };
         // A link stays a link, and its target is replaced.
         let wanted = behind_links(path);
-        let is_special = std::fs::metadata(&wanted).is_ok_and(|metadata| !metadata.is_file());
-        if is_special {
+        if is_special(&wanted) {
             let file = OpenOptions::new().write(true).open(&wanted).map_err(|reason| refuse(path, reason))?;
             let output = Output { current: wanted.clone(), wanted, protects: false };
             return Ok(Some((output, file, false)));
@@ -102,25 +99,6 @@ impl Output {
     pub(crate) fn current(&self) -> &Path {
         &self.current
     }
-}
-
-/// The target of a path, also if it does not exist yet: a link is followed as far as links go.
-fn behind_links(path: &Path) -> PathBuf {
-    let mut place = path.to_path_buf();
-    for _ in 0..LINKS {
-        if let Ok(real) = place.canonicalize() {
-            return real;
-        }
-        // A link of the system to something without a name, such as an open pipe.
-        if place.metadata().is_ok() {
-            return place;
-        }
-        match std::fs::read_link(&place) {
-            Ok(to) => place = place.parent().map_or(to.clone(), |folder| folder.join(&to)),
-            Err(_) => break,
-        }
-    }
-    place
 }
 
 /// The log of a run that has not finished, when something that must stay has its name.
