@@ -114,7 +114,15 @@ def test_a_run_after_a_run_has_reactions(double_pendulum):
     assert result.reactions["elbow"].shape == (13, 6) and np.isfinite(result.reactions["elbow"]).all()
 
 
-def test_an_interrupted_run_gives_what_it_has(double_pendulum):
+@pytest.fixture
+def interruptible():
+    # Shells start what runs in the background with interrupts ignored, and so would this process be.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupted_run_gives_what_it_has(double_pendulum, interruptible):
     sim = catena.Sim(double_pendulum)
     sim.q[:] = [2.0, 1.0]
     timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
