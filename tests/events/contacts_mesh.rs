@@ -185,3 +185,51 @@ fn a_ball_that_rolls_onto_a_slight_slope_of_a_mesh_rolls_on_at_every_tolerance()
         assert!((rate - speed).abs() < 1e-5, "{tolerance:e}: {rate}, not {speed}");
     }
 }
+
+#[test]
+fn what_is_thrown_up_under_a_sheet_meets_it_as_what_is_thrown_down_on_it_whatever_way_its_triangles_turn() {
+    catena::events::check_certificates();
+    let none = Vector3::zeros();
+    let bodies = [
+        ("ball", Shape::Sphere { radius: 0.07 }),
+        ("box", cuboid(0.13, 0.09, 0.03)),
+        ("can", Shape::Cylinder { radius: 0.11, half: 0.05 }),
+    ];
+    for (name, shape) in bodies {
+        // The sheet is at z = 0, the body over it or, with gravity and all else turned about x by half a turn, under it.
+        let of = |sheet: Shape, sign: f64, tolerance: f64| {
+            let mut mechanism = loose(DOWN * sign, &[(1.3, shape.clone())]);
+            let sheet = obstacle(&mut mechanism, sheet, none);
+            meet(&mut mechanism, sheet, 0, 0.3, 0.0);
+            let mut start = State::zero(&mechanism);
+            let half_turn = |v: Vector3<f64>| Vector3::new(v.x, v.y * sign, v.z * sign);
+            let [place, turn] = [Vector3::new(-0.213, -0.127, 0.31), Vector3::new(0.3, -0.2, 0.5)];
+            let [velocity, spin] = [Vector3::new(0.4, 0.3, -1.2), Vector3::new(0.7, -0.4, 0.2)];
+            put(&mechanism, &mut start, 0, [place, turn, velocity, spin].map(half_turn));
+            let run = run(&mechanism, &start, 0.5, StepChoice::Tolerance(tolerance));
+            let impacts = of_kind(&run, EventKind::ContactImpact).len();
+            let body = &run.state.position[..3];
+            (impacts, half_turn(Vector3::new(body[0], body[1], body[2])))
+        };
+        let turned = match squares(20, 0.1) {
+            Shape::Mesh(surface) => {
+                let mut surface = (*surface).clone();
+                surface.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+                Shape::Mesh(Arc::new(surface))
+            }
+            shape => shape,
+        };
+        let wanted = of(Shape::HalfSpace, 1.0, 1e-9);
+        assert!(wanted.0 > 0, "{name} meets the floor");
+        for tolerance in [1e-9, 1e-3] {
+            for (sheet, sign) in
+                [(squares(20, 0.1), 1.0), (squares(20, 0.1), -1.0), (turned.clone(), 1.0), (turned.clone(), -1.0)]
+            {
+                let found = of(sheet, sign, tolerance);
+                assert!(found.0 > 0, "{name} meets the sheet at {tolerance:e}");
+                let apart = (found.1 - wanted.1).norm();
+                assert!(apart <= tolerance, "{name}: {apart:e} at {tolerance:e}");
+            }
+        }
+    }
+}

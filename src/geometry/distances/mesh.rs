@@ -6,16 +6,15 @@
 //! | class | opposite vertex | can be touched with normals |
 //! |---|---|---|
 //! | flat | in the plane, to 1e-9 of the size | never |
-//! | concave | in front | never |
+//! | concave | in front | from behind, between −n₁ and −n₂ |
 //! | convex | behind | between n₁ and n₂ |
 //! | border | none | on the open side |
 //!
 //! A vertex can be touched if one of its edges can. Triangles are found by parry's tree of boxes; each is asked as a polytope, and of balls in closed form
-//! ([`crate::distances::mesh_and_point`]).
-//! A point on a common edge belongs to the triangle of the lower number.
+//! ([`crate::distances::mesh_and_point`]). A point on a common edge belongs to the triangle of the lower number.
 //!
-//! The surface is a shell whose outside is where the normals point. A convex shape that is wholly behind it counts as apart from it, so
-//! passing through is noticed on the way only.
+//! The surface is a shell without thickness that is touched on both sides, so that nothing depends on the order of the corners of a triangle. Of `T`
+//! triangles, the front of triangle `k`, where its normal points, is the face `k`, and its back is the face `T + k`.
 
 use crate::distances::doubles::take_doubles;
 use crate::distances::inner::without_inner;
@@ -157,19 +156,25 @@ impl Mesh {
             }
             FeatureId::Vertex(number) => Part::Point(parts.vertices[number as usize]),
             FeatureId::Face(number) => {
-                let triangle = &parts.triangles[number as usize];
-                Part::Plane(parts.vertices[triangle.corners[0]], triangle.facet.normal)
+                let (triangle, normal) = self.face(number);
+                Part::Plane(parts.vertices[triangle.corners[0]], normal)
             }
             _ => Part::Point(parts.vertices[0]),
         }
     }
 
+    /// The triangle of a face, and the unit normal out of that side of it.
+    fn face(&self, number: u32) -> (&Triangle, Vector3<f64>) {
+        let triangles = &self.parts.triangles;
+        let (number, count) = (number as usize, triangles.len());
+        let triangle = &triangles[number % count];
+        (triangle, if number < count { triangle.facet.normal } else { -triangle.facet.normal })
+    }
+
     /// How far inside the bounds of a feature a point on it is (m).
     pub fn inside(&self, feature: FeatureId, point: &Vector3<f64>) -> f64 {
         match feature {
-            FeatureId::Face(number) => {
-                inside(&self.parts.triangles[number as usize].facet.shape.core, FeatureId::Face(0), point)
-            }
+            FeatureId::Face(number) => inside(&self.face(number).0.facet.shape.core, FeatureId::Face(0), point),
             FeatureId::Edge(number) => {
                 let [from, to] = self.parts.edges[number as usize].ends.map(|end| self.parts.vertices[end]);
                 let along = (to - from).normalize();
@@ -348,7 +353,8 @@ impl Mesh {
             FeatureId::Edge(edge) => FeatureId::Edge(triangle.edges[edge as usize] as u32),
             FeatureId::EdgePoint { edge, part } => self.named_point(triangle, edge as usize, f64::from_bits(part)),
             FeatureId::Vertex(vertex) => FeatureId::Vertex(triangle.corners[vertex as usize] as u32),
-            _ => FeatureId::Face(number as u32),
+            FeatureId::Face(side) => FeatureId::Face((number + side as usize * self.parts.triangles.len()) as u32),
+            other => other,
         };
         Candidate { features: [name, candidate.features[1]], ..candidate }
     }
@@ -365,7 +371,7 @@ impl Mesh {
     fn may_touch(&self, candidate: &Candidate) -> bool {
         let normal = &candidate.normal;
         match candidate.features[0] {
-            FeatureId::Face(number) => normal.dot(&self.parts.triangles[number as usize].facet.normal) > 0.0,
+            FeatureId::Face(number) => normal.dot(&self.face(number).1) > 0.0,
             FeatureId::Edge(number) | FeatureId::EdgePoint { edge: number, .. } => {
                 let edge = &self.parts.edges[number as usize];
                 edge.open && edge.beside.iter().all(|&triangle| self.inward(edge, triangle).dot(normal) <= ALONG)
@@ -418,13 +424,13 @@ fn merged(vertices: &[Vector3<f64>], pose: &Pose) -> (Vec<Vector3<f64>>, Vec<usi
     (kept, of)
 }
 
-/// Whether an edge can be touched: it is convex, a border, or has more than two triangles.
+/// Whether an edge can be touched: it is convex, concave, a border, or has more than two triangles.
 fn is_open(ends: &[usize; 2], beside: &[usize], triangles: &[Triangle], vertices: &[Vector3<f64>]) -> bool {
     let [one, other] = beside else { return true };
     let third = triangles[*other].corners.iter().find(|corner| !ends.contains(corner));
     let Some(&third) = third else { return false };
     let (triangle, size) = (&triangles[*one], triangles[*one].facet.shape.size.max(triangles[*other].facet.shape.size));
-    triangle.facet.normal.dot(&(vertices[third] - vertices[ends[0]])) < -FLAT * size
+    triangle.facet.normal.dot(&(vertices[third] - vertices[ends[0]])).abs() > FLAT * size
 }
 
 /// The box of a triangle.

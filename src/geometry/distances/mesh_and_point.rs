@@ -67,6 +67,12 @@ impl Facet {
         let sides = [0, 1, 2].map(|side: usize| self.inward[side].dot(&(centre - self.corners[self.ends[side][0]])));
         Over { height: self.normal.dot(&(centre - self.corners[0])), sides }
     }
+
+    /// The side of the triangle on which a point is: its front, or its back.
+    fn side(&self, over: &Over) -> (FeatureId, Part) {
+        let (side, normal) = if over.height < 0.0 { (1, -self.normal) } else { (0, self.normal) };
+        (FeatureId::Face(side), Part::Plane(self.corners[0], normal))
+    }
 }
 
 impl Over {
@@ -92,15 +98,14 @@ impl<'b> Ball<'b> {
 
     /// The nearest point of a triangle, unless it is farther from the centre than `most` (m).
     pub fn nearest(&self, facet: &Facet, most: f64) -> Option<Candidate> {
-        let Facet { corners, normal, ends, .. } = facet;
+        let Facet { corners, ends, .. } = facet;
         let over = facet.over(&self.centre);
         if over.least() > most {
             return None;
         }
         if over.inside() >= 0.0 {
-            let side = u32::from(over.height < 0.0);
-            let normal = if side == 1 { -normal } else { *normal };
-            return self.meets(facet, FeatureId::Face(side), Part::Plane(corners[0], normal));
+            let (side, plane) = facet.side(&over);
+            return self.meets(facet, side, plane);
         }
         let mut best: Option<(f64, FeatureId, Part)> = None;
         for side in (0..3).filter(|&side| over.sides[side] < 0.0) {
@@ -130,7 +135,7 @@ impl<'b> Ball<'b> {
         is_open: impl Fn(FeatureId) -> bool,
         mut add: impl FnMut(Candidate),
     ) {
-        let Facet { corners, normal, ends, .. } = facet;
+        let Facet { corners, ends, .. } = facet;
         let over = facet.over(&self.centre);
         let (inside, radius) = (over.inside(), self.convex.radius);
         if over.least() - radius >= near {
@@ -142,8 +147,9 @@ impl<'b> Ball<'b> {
             let found = self.meets(facet, feature, part);
             found.filter(|one| one.distance() - radius < near).into_iter().for_each(&mut add);
         };
-        if over.height > 0.0 && inside >= outside {
-            see(FeatureId::Face(0), Part::Plane(corners[0], *normal));
+        if inside >= outside {
+            let (side, plane) = facet.side(&over);
+            see(side, plane);
         }
         // Over the face no normal of a side or corner points at the centre.
         if inside > ALONG * (self.centre - corners[0]).norm() {

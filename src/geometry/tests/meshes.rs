@@ -49,13 +49,14 @@ fn a_slanted_box_on_a_flat_mesh_has_no_normal_but_that_of_the_floor() {
 }
 
 #[test]
-fn only_borders_and_ridges_of_a_mesh_can_be_touched() {
+fn only_borders_and_bends_of_a_mesh_can_be_touched() {
     let open = |shape: Shape| match shape {
         Shape::Mesh(surface) => Mesh::new(&surface, &Pose::identity()).expect("a mesh").open_edges(),
         _ => 0,
     };
-    // 128 triangles with 208 edges: 32 at the border; a valley leaves that number, a ridge adds its own 8.
-    assert_eq!(open(floor(8, 0.1, |x, _| x.max(0.0) * 0.5)), 32);
+    // 128 triangles with 208 edges: 32 at the border; a valley, which is a ridge from below, adds its own 8, and so does a ridge.
+    assert_eq!(open(floor(8, 0.1, |_, _| 0.0)), 32);
+    assert_eq!(open(floor(8, 0.1, |x, _| x.max(0.0) * 0.5)), 40);
     assert_eq!(open(floor(8, 0.1, |x, _| x.min(0.0) * 0.5)), 40);
 }
 
@@ -71,6 +72,64 @@ fn a_ball_touches_the_ridge_of_a_roof_but_not_the_bottom_of_a_valley() {
     let sides = valley.touches(&o, &at(0.0, 0.03, 0.05 * 2f64.sqrt()), 1e-9);
     assert_eq!(sides.len(), 2, "one point on either side");
     assert!(sides.iter().all(|place| matches!(place.identity.a, FeatureId::Face(_))));
+}
+
+#[test]
+fn a_mesh_is_touched_on_both_sides_whatever_the_order_of_the_corners_of_its_triangles() {
+    let mut numbers = Numbers::new(11);
+    let heights: Vec<f64> = (0..400).map(|_| 0.08 * numbers.next()).collect();
+    let hills = |x: f64, y: f64| heights[((x * 10.0 + 10.0).round() * 20.0 + (y * 10.0 + 10.0).round()) as usize % 400];
+    let floor = floor(12, 0.1, hills);
+    let Shape::Mesh(surface) = &floor else { panic!("a mesh") };
+    let mut turned = (**surface).clone();
+    turned.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+    // Turned about x by half a turn, what is above is below. The corners of the triangles are those of the floor.
+    let mut upside_down = (**surface).clone();
+    upside_down.vertices.iter_mut().for_each(|vertex| *vertex = Vector3::new(vertex.x, -vertex.y, -vertex.z));
+    let [turned, upside_down] = [turned, upside_down].map(|surface| Shape::Mesh(std::sync::Arc::new(surface)));
+    let half_turn = Pose::from_parts(Translation3::identity(), Rotation3::new(Vector3::x() * std::f64::consts::PI));
+    let o = Pose::identity();
+    let (mut touched, mut below) = (0, 0);
+    for shape in shapes() {
+        let of = |mesh: &Shape| pair(mesh.clone(), shape.clone());
+        let (one, other, third) = (of(&floor), of(&turned), of(&upside_down));
+        for round in 0..300 {
+            let mut b = numbers.pose(0.4);
+            let away = if round % 2 == 0 { 1.0 } else { -1.0 };
+            // Just off the surface, above or below it.
+            b.translation.z = 0.3 * away;
+            for _ in 0..12 {
+                b.translation.z -= away * one.distance(&o, &b).distance;
+            }
+            let gaps = |mesh: &PairGeometry, at: &Pose| {
+                let mut places: Vec<[f64; 4]> = mesh
+                    .touches(&o, at, 0.03)
+                    .iter()
+                    .map(|place| [place.gap, place.normal.x, place.normal.y.abs(), place.normal.z.abs()])
+                    .collect();
+                places.sort_by(|one, other| {
+                    one.iter()
+                        .zip(other)
+                        .map(|(one, other)| one.total_cmp(other))
+                        .find(|order| order.is_ne())
+                        .unwrap_or(std::cmp::Ordering::Equal)
+                });
+                places
+            };
+            let wanted = gaps(&one, &b);
+            for (mesh, at) in [(&other, b), (&third, half_turn * b)] {
+                let found = gaps(mesh, &at);
+                assert_eq!(found.len(), wanted.len(), "{shape:?}, round {round}: {found:?} for {wanted:?}");
+                // Roundings of lengths below 1 m.
+                let apart = |(found, wanted): (&[f64; 4], &[f64; 4])| (found[0] - wanted[0]).abs();
+                let most = found.iter().zip(&wanted).map(apart).fold(0.0, f64::max);
+                assert!(most <= 1e-14, "{shape:?}, round {round}: {most:e}");
+            }
+            touched += usize::from(wanted.first().is_some_and(|place| place[0].abs() < 1e-3));
+            below += usize::from(away < 0.0 && !wanted.is_empty());
+        }
+    }
+    assert!(touched > 1000 && below > 500, "{touched} touch, {below} from below");
 }
 
 /// An L of six by six by two, with the inner corner at the origin.
