@@ -111,20 +111,20 @@ def fit(
     ------
     InputError : where the data does not fit the model, and where a number or a combination of numbers cannot be told from the data
     """
-    keys, t, data = list(keys), np.asarray(t, float), np.asarray(data, float)
-    data = data.reshape(len(t), -1)
-    spacing = (t[-1] - t[0]) / max(len(t) - 1, 1)
-    if len(t) < 2 or t[0] < 0 or not np.allclose(np.diff(t), spacing, rtol=1e-6):
-        raise InputError("t: give at least two equally spaced times, from 0 on")
+    keys = list(keys)
+    t, data, spacing = _measured(t, data)
     start = model.start()
     q, v = (np.array(start[i] if given is None else given, float) for i, given in enumerate((q, v)))
     if len(q) != len(v):
         raise InputError("fit is for joints of one freedom; ball and floating joints have others")
     joints = list(model.joint_names if joints is None else joints)
+    for joint in joints:
+        if joint not in model.joint_names:
+            raise InputError(f"there is no joint {joint!r}; the joints that move are {', '.join(map(repr, model.joint_names))}")
     if data.shape[1] != len(joints):
         raise InputError(f"data has {data.shape[1]} columns for {len(joints)} joints: {', '.join(joints)}")
     bounds = bounds or {}
-    _, (stages, step) = how(None, stages, float(spacing) if step is None else step)
+    _, (stages, step) = how(None, stages, spacing if step is None else step)
     theta = np.array([_value(model, q, v, key) for key in keys])
 
     def run(theta, count):
@@ -294,6 +294,23 @@ def _start(model, key):
                 raise InputError(f"{key}: there is no joint {joint!r}")
             return part, model.joint_names.index(joint)
     return None
+
+
+def _measured(t, data):
+    """The times (samples), the data (samples, joints) and the spacing of the times [s], if they are measurements."""
+    t, data = np.asarray(t, float), np.asarray(data, float)
+    if t.ndim != 1 or len(t) < 2:
+        raise InputError("t: give at least two equally spaced times, from 0 on")
+    spacing = float(t[-1] - t[0]) / (len(t) - 1)
+    if not (t[0] >= 0 and spacing > 0 and np.allclose(np.diff(t), spacing, rtol=1e-6, atol=0)):
+        raise InputError("t: give at least two equally spaced times, from 0 on")
+    if data.ndim not in (1, 2) or len(data) != len(t):
+        raise InputError(f"data has the shape {data.shape} for {len(t)} times; give one row for each time")
+    data = data.reshape(len(t), -1)
+    if not np.isfinite(data).all():
+        row, column = np.argwhere(~np.isfinite(data))[0]
+        raise InputError(f"data is {data[row, column]} at t = {t[row]:g} s, column {column}; fit the samples before or after it")
+    return t, data, spacing
 
 
 def _value(model, q, v, key):

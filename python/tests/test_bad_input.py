@@ -140,3 +140,20 @@ def test_a_folder_that_is_not_there_and_a_full_disk(arm, tmp_path):
     if os.path.exists("/dev/full"):
         with pytest.raises(catena.RunError, match="/dev/full"):
             catena.Sim(arm).run(5.0, rate=1000, log="/dev/full")
+
+
+def test_what_is_no_measurement_is_named_before_a_run_is_made(robots):
+    pendulum = catena.load(robots / "friction_pendulum.toml")
+    t, key = np.linspace(0.0, 1.0, 6), ["gravity.z"]
+    torn = np.zeros((6, 1))
+    torn[4] = np.nan
+    for times, data, options, message in (
+        (t, torn, {}, "data is nan at t = 0.8 s, column 0"),
+        (t, np.zeros(7), {}, r"data has the shape \(7,\) for 6 times; give one row"),
+        (t, np.zeros((6, 2)), {}, "data has 2 columns for 1 joints"),
+        ([], [], {}, "t: give at least two"),
+        (t * np.nan, np.zeros(6), {}, "t: give at least two"),
+        (t, np.zeros(6), {"joints": ["elbow"]}, "there is no joint 'elbow'; the joints that move are"),
+    ):
+        with pytest.raises(catena.InputError, match=message):
+            catena.fit(pendulum, times, data, key, **options)
