@@ -22,7 +22,7 @@ use crate::instant::holding::blocks::{Block, Of, Rows};
 use crate::mechanism::motion::state::State;
 
 /// An impact that gains more than this part of the kinetic energy is wrong.
-const GAIN: f64 = 1e-6;
+pub const GAIN: f64 = 1e-6;
 /// Limits of a tree whose impact is off balance by more than this part of the kinetic energy are near gimbal lock: D is a difference of large numbers.
 const OFF: f64 = 1e-10;
 

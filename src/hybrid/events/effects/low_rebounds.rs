@@ -24,7 +24,7 @@
 
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::Scene;
-use crate::events::effects::impact::{Impulses, Meeting, collide};
+use crate::events::effects::impact::{GAIN, Impulses, Meeting, collide};
 use crate::events::effects::memory::Memory;
 use crate::events::effects::resting::{bring_rows_to_rest, energy};
 use crate::events::modes::tolerances::AT_EVENT;
@@ -238,15 +238,21 @@ fn pull_back(
         return false;
     };
     let most: f64 = stopped.iter().map(|&index| impulses.normal[index]).sum();
-    // NaN is no pull, either.
-    if !(-most..=0.0).contains(&pulls.sum()) {
+    // NaN is no pull, either. Points that imply each other but for their friction would be stopped by pulls and pushes of any size.
+    if !(-most..=0.0).contains(&pulls.sum()) || pulls.abs().sum() > most {
         return false;
     }
-    let kinetic = energy(scene.whole, state).kinetic;
+    let (kinetic, was) = (energy(scene.whole, state).kinetic, state.velocity.clone());
     along.add(pulls.as_slice(), &mut state.velocity);
     let driven = along.work_of_belts(pulls.as_slice());
+    let lost = kinetic + driven - energy(scene.whole, state).kinetic;
+    // A pull gives back what friction took in the impact, and no more.
+    if impulses.lost + lost < -GAIN * kinetic {
+        state.velocity = was;
+        return false;
+    }
     impulses.driven += driven;
-    impulses.lost += kinetic + driven - energy(scene.whole, state).kinetic;
+    impulses.lost += lost;
     true
 }
 
