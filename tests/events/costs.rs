@@ -6,6 +6,7 @@ use crate::mechanisms::{GRAVITY, of_kind, run};
 use crate::scene_files::{report, scene_of};
 use catena::mechanism::motion::contact_solvers::{ContactSolver, ContactSolvers};
 use catena::mechanism::motion::event::EventKind;
+use catena::mechanism::motion::integrator::Rejected;
 use catena::simulation::{Finished, StepChoice};
 use nalgebra::Vector3;
 
@@ -78,4 +79,22 @@ fn a_ball_that_rolls_along_a_box_without_pressing_it_rolls_on_and_no_step_ends_a
         }
         assert_eq!((found.located_attempts, found.rejected_steps), (0, 0), "yaw {yaw}: {} steps", found.steps);
     }
+}
+
+#[test]
+fn an_event_at_the_start_of_a_step_is_asked_of_one_short_step() {
+    // A cylinder that stands on a table which is shaken: contacts of its rim that lose their force where it begins to slide. Steps of all lengths between
+    // the first and the shortest were made, too: 32 attempts.
+    let table = "<link name='w'/><link name='table'><inertial><mass value='5'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>\
+        <collision><geometry><box size='1 1 0.1'/></geometry></collision></link>\
+        <joint name='drive' type='prismatic'><parent link='w'/><child link='table'/><origin xyz='0 0 -0.05'/><axis xyz='1 0 0'/>\
+        <limit lower='-10' upper='10' effort='0' velocity='0'/></joint>";
+    let text = "[[robot]]\nname = \"t\"\nurdf = \"robot.urdf\"\n\
+        [[motion]]\njoint = \"t/drive\"\nposition = { formula = \"a*(1-cos(2*pi*f*t))\", a = 0.001957850751091478, f = 8.990941358386326 }\n\
+        [[body]]\nname = \"o\"\nshape = { type = \"cylinder\", radius = 0.03800212712618595, length = 0.1301441281196481 }\nmass = 2.700602304218933\n\
+        pose = { position = [-0.0945757372413748, -0.1431131743258776, 0.06507206405982405] }\n";
+    let found = report(&scene_of("shaken_cylinder", table, text), &[], &[], Some(0.5), 1e-6);
+    let asked = found.rejected.0.of(Rejected::EventAtStart);
+    let slips = found.events.list.iter().filter(|event| event.kind == "slip").count();
+    assert!(asked > 0 && asked <= slips, "{asked} attempts, {slips} slips");
 }

@@ -29,8 +29,8 @@ const ROUGHLY: f64 = 10.0;
 const NEARLY: f64 = 0.999;
 
 impl Eventful {
-    /// The first gap of a pair that closes in the last step; a pair that is known to close at its end is looked at before that.
-    pub(super) fn look_for_contacts(&mut self, since: f64, known: Option<Bracket>) -> Option<Bracket> {
+    /// The first gap of a pair that closes in the last step before a time (s); a pair that is known to close at its end is looked at before that.
+    pub(super) fn look_for_contacts(&mut self, since: f64, before: f64, known: Option<Bracket>) -> Option<Bracket> {
         self.trial.covers.clear();
         if !self.trial.watched.first().is_some_and(|first| matches!(first, Watched::Approach(_))) {
             return None;
@@ -42,7 +42,7 @@ impl Eventful {
         if self.model.touching.pairs.are_few() {
             self.take_speeds([since, end], &mut speeds);
         }
-        self.trial.reserves.begin(&speeds, end - since);
+        self.trial.reserves.begin(&speeds, before - since);
         let mut first: Option<Bracket> = None;
         for place in 0..self.trial.reserves.asked().len() {
             let pair = self.trial.reserves.asked()[place];
@@ -57,7 +57,7 @@ impl Eventful {
                 self.trial.covers.push((watched, Cover { until: end, least: f64::INFINITY }));
                 continue;
             }
-            if let Some(rest) = self.reserve(pair, &speeds, end - since) {
+            if let Some(rest) = self.reserve(pair, &speeds, before - since) {
                 self.trial.covers.push((watched, Cover { until: end, least: rest }));
                 continue;
             }
@@ -77,7 +77,7 @@ impl Eventful {
             };
             // A gap of more than can close in a stretch that is searched is as open as that of a pair that was open before.
             let mut gap = GapInside::new(self, [since, end], (watched, pair), resolution);
-            let mut until = first.map_or(end, |known| known.high);
+            let mut until = first.map_or(before, |known| known.high);
             let mut cover = Cover::from(since);
             // The pair at which the step ends was open until its bracket, which is shorter than the resolution.
             let own = known.filter(|known| known.watched == watched);

@@ -86,7 +86,11 @@ impl Eventful {
         if found.is_some_and(|found| found.at_start) {
             return found;
         }
-        let contact = self.look_for_contacts(since, known);
+        let end = self.workspaces.active().small.time;
+        let ends = found.map_or(end, |found| found.root);
+        // Pairs that close later are looked at in the step that is made again up to there.
+        let before = if ends < end - SAME_END * (end - since) { ends } else { end };
+        let contact = self.look_for_contacts(since, before, known);
         match (found, contact) {
             (Some(found), Some(contact)) => Some(if contact.root < found.root { contact } else { found }),
             (found, contact) => found.or(contact),

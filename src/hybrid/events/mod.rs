@@ -42,6 +42,7 @@ mod crowd;
 #[cfg(test)]
 mod crowd_tests;
 pub mod crowded;
+mod early;
 mod effects;
 mod entering;
 mod finding;

@@ -28,12 +28,8 @@ use crate::mechanism::motion::integrator::{Rejected, StepError, StepOutcome};
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{belt, touch_motion};
 
-/// A step is made shorter this often at most before an element is believed to change its state at once.
-const SHORTENED: usize = 8;
 /// A step with a defect is made again with this part of its length.
 pub(super) const SHORTER: f64 = 1.0 / 16.0;
-/// The dense output of a step does not resolve roots that are nearer to its start than this part of its length.
-const EARLY: f64 = SHORTER * SHORTER * SHORTER * SHORTER;
 /// A step in which a slip passes near its stop is shortened by this factor.
 const HALF: f64 = 0.5;
 
@@ -149,7 +145,7 @@ impl Eventful {
         }
         let bracket = match attempt.stopped {
             Some(slip) => Some(Bracket::at_start(slip, since)),
-            None => self.first_bracket(inputs, attempt, outcome)?,
+            None => self.first_bracket(inputs, attempt.since, attempt.shortest, outcome)?,
         };
         let mut triggers = match bracket {
             Some(bracket) => self.end_at_first(inputs, bracket, attempt.shortest, outcome)?,
@@ -162,34 +158,6 @@ impl Eventful {
         } else {
             Ending::AtStart(triggers)
         })
-    }
-
-    /// The first bracket of an event in the step that was made. A function that is negative from the start on may be so on the dense output of a long
-    /// step alone, and so may the rate of a joint that stops as soon as it slides: the step is made again, shorter and shorter.
-    fn first_bracket(
-        &mut self,
-        inputs: Inputs,
-        attempt: &Attempt,
-        outcome: &mut StepOutcome,
-    ) -> Result<Option<Bracket>, StepError> {
-        let since = attempt.since;
-        let mut bracket = self.detect(inputs, since, None);
-        for _ in 0..SHORTENED {
-            let length = self.workspaces.active().small.time - since;
-            let shorter = since + SHORTER * length;
-            let slides = |found: Bracket| matches!(self.trial.watched[found.watched], Watched::Slide(_));
-            let is_early = |found: Bracket| found.at_start || slides(found) && found.root - since < EARLY * length;
-            if !bracket.is_some_and(is_early) || shorter - since < attempt.shortest {
-                break;
-            }
-            let piece = self.workspaces.active_mut();
-            piece.go_back(since, &self.model.recipe);
-            let again = piece.step(&self.model.whole, inputs, shorter)?;
-            outcome.cost.reject(Rejected::EventAtStart);
-            outcome.take_again(&again);
-            bracket = self.detect(inputs, since, None);
-        }
-        Ok(bracket)
     }
 
     /// Writes where the step ended, with its length and the energy that went in and out.
