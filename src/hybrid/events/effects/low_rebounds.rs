@@ -19,6 +19,8 @@
 //!
 //! What an impact with restitution has kicked open elsewhere is not stopped where that would take far more than the energy `Σ γ²/(2 D_ii)` of the rebounds, each
 //! alone. A ball that rolls from one face of a mesh to the next leaves the first at a millimetre per second, and cannot be held by both: that would stop it.
+//! Nor is what is not pulled back, with restitution or without: no flights bring it to rest. A link that turns over two points of its hull, 2e-6 m apart,
+//! leaves the first at 5e-6 m/s, and would be stopped by 1000 N s.
 
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::Scene;
@@ -41,27 +43,16 @@ const SINGULAR: f64 = 1e-11;
 /// A stop takes more than the energies of the rebounds by this factor at most; points of one body that land together take a few times as much.
 const MORE: f64 = 100.0;
 
-/// Meetings that leave too slowly to matter.
-#[derive(Default)]
+/// A meeting that leaves too slowly to matter.
 pub(crate) struct Low {
-    /// Their numbers.
-    pub stopped: Vec<usize>,
-    /// When the last flight of each would end (s): `t + 2 γ/(a (1 − e))`.
-    pub until: Vec<f64>,
-    /// The sum of their heights (m or rad).
-    pub left: f64,
-}
-
-impl Low {
-    /// Leaves those that were struck themselves; `false` if that leaves all or none.
-    fn keep_struck(&mut self, impulses: &Impulses) -> bool {
-        let count = self.stopped.len();
-        let struck: Vec<bool> = self.stopped.iter().map(|&index| impulses.normal[index] > 0.0).collect();
-        let (mut of_stopped, mut of_until) = (struck.iter(), struck.iter());
-        self.stopped.retain(|_| of_stopped.next() == Some(&true));
-        self.until.retain(|_| of_until.next() == Some(&true));
-        !self.stopped.is_empty() && self.stopped.len() < count
-    }
+    /// Its number.
+    pub index: usize,
+    /// When the last of its flights would end (s): `t + 2 γ/(a (1 − e))`.
+    pub until: f64,
+    /// The height of the first one (m or rad).
+    pub height: f64,
+    /// Whether it is pulled back.
+    returns: bool,
 }
 
 /// The gap at which the shapes of a pair count as closed (m), if it has no restitution and its last flight, which ends at this time (s), was too low to be
@@ -92,7 +83,7 @@ fn too_low(
     before: &[f64],
     efforts: &[f64],
     height: impl Fn(Of) -> f64,
-) -> Low {
+) -> Vec<Low> {
     let is_rebound = |index: usize| {
         let meeting = &meetings[index];
         before[index] <= meeting.rest || (meeting.rate(&state.velocity) - before[index]).abs() > meeting.rest
@@ -105,7 +96,7 @@ fn too_low(
         (is_rebound(index) || rounding(index) > 0.0) && meeting.rate(&state.velocity) > meeting.rest
     };
     if !meetings.iter().enumerate().any(leaves) {
-        return Low::default();
+        return Vec::new();
     }
     let mut free = vec![0.0; state.velocity.len()];
     scene.response.accelerations(state, efforts, &mut free);
@@ -116,7 +107,7 @@ fn too_low(
         let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
         rows.add(&minimise(&rows.square, &rows.rates(&free), &pushes).efforts, &mut free);
     }
-    let mut low = Low::default();
+    let mut low = Vec::new();
     for (index, meeting) in meetings.iter().enumerate() {
         let (rate, gains) = (meeting.rate(&state.velocity), meeting.rate(&free));
         let pull = gains.abs();
@@ -128,9 +119,8 @@ fn too_low(
             0.0
         };
         if rate > 0.0 && rate * rate <= 2.0 * pull * most {
-            low.stopped.push(index);
-            low.until.push(state.time + 2.0 * rate / (pull * (1.0 - meeting.restitution)));
-            low.left += rate * rate / (2.0 * pull);
+            let until = state.time + 2.0 * rate / (pull * (1.0 - meeting.restitution));
+            low.push(Low { index, until, height: rate * rate / (2.0 * pull), returns: gains < 0.0 });
         }
     }
     low
@@ -146,28 +136,16 @@ pub(crate) fn bring_low_to_rest(
     before: &[f64],
     mut efforts: impl FnMut(&State) -> Vec<f64>,
     height: impl Fn(Of) -> f64,
-) -> Low {
-    let mut all = Low::default();
+) -> Vec<Low> {
+    let mut all = Vec::new();
     for _ in 0..CALMING {
         let known = efforts(state);
-        let mut low = too_low(scene, state, meetings, before, &known, &height);
-        if low.stopped.is_empty() {
+        let low = too_low(scene, state, meetings, before, &known, &height);
+        let low = stop_unless_costly(scene, state, meetings, low, impulses);
+        if low.is_empty() {
             break;
         }
-        let (was, had) = (state.velocity.clone(), impulses.clone());
-        stop(scene, state, meetings, &low.stopped, impulses);
-        let rebounds = low.stopped.iter().any(|&index| meetings[index].restitution > 0.0);
-        if rebounds && impulses.lost - had.lost > MORE * energy_alone(scene, state, meetings, &was, &low.stopped) {
-            state.velocity = was;
-            *impulses = had;
-            if !low.keep_struck(impulses) {
-                break;
-            }
-            stop(scene, state, meetings, &low.stopped, impulses);
-        }
-        all.left += low.left;
-        all.until.extend(low.until);
-        all.stopped.extend(low.stopped);
+        all.extend(low);
         let plastic: Vec<Meeting> =
             meetings.iter().map(|meeting| Meeting { restitution: 0.0, ..meeting.clone() }).collect();
         let Ok(more) = collide(scene, state, &plastic) else { break };
@@ -180,11 +158,43 @@ pub(crate) fn bring_low_to_rest(
     all
 }
 
-/// Σ γ²/(2 D_ii) of these meetings at velocities (J).
-fn energy_alone(scene: &mut Scene, state: &State, meetings: &[Meeting], velocity: &[f64], of: &[usize]) -> f64 {
+/// Stops these. If some rebound or are not pulled back, and that takes far more than the energies of all, each alone, it stops only those that were struck,
+/// or have no restitution and are pulled back; none if these are all. Returns what has been stopped.
+fn stop_unless_costly(
+    scene: &mut Scene,
+    state: &mut State,
+    meetings: &[Meeting],
+    mut low: Vec<Low>,
+    impulses: &mut Impulses,
+) -> Vec<Low> {
+    if low.is_empty() {
+        return low;
+    }
+    let numbers = |low: &[Low]| low.iter().map(|low| low.index).collect::<Vec<usize>>();
+    let accumulates = |low: &Low| low.returns && meetings[low.index].restitution == 0.0;
+    let (all, was, had) = (numbers(&low), state.velocity.clone(), impulses.clone());
+    let alone = energy_alone(scene, state, meetings, &all);
+    stop(scene, state, meetings, &all, impulses);
+    if low.iter().all(accumulates) || impulses.lost - had.lost <= MORE * alone {
+        return low;
+    }
+    state.velocity = was;
+    *impulses = had;
+    low.retain(|low| accumulates(low) || impulses.normal[low.index] > 0.0);
+    if low.len() == all.len() {
+        return Vec::new();
+    }
+    if !low.is_empty() {
+        stop(scene, state, meetings, &numbers(&low), impulses);
+    }
+    low
+}
+
+/// Σ γ²/(2 D_ii) of these meetings (J).
+fn energy_alone(scene: &mut Scene, state: &State, meetings: &[Meeting], of: &[usize]) -> f64 {
     let first: Vec<Row> = of.iter().map(|&index| meetings[index].block.rows[0].clone()).collect();
     let rows = Rows::new(scene.response, state, first);
-    let rates = rows.rates(velocity);
+    let rates = rows.rates(&state.velocity);
     let mobilities = rows.square.diagonal();
     rates.iter().zip(mobilities.iter()).map(|(rate, mobility)| 0.5 * rate * rate / mobility).sum()
 }

@@ -107,11 +107,11 @@ pub(crate) fn transit(
     let height = |of: Of| contacts.pair_of(of).and_then(unseen).map_or(found.height, |gap| found.height.max(gap));
     let low = bring_low_to_rest(scene, state, &meetings, &mut impulses, &rates, known, height);
     (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
-    done.left += low.left;
+    done.left += low.iter().map(|low| low.height).sum::<f64>();
     let mut flights = ends.clone();
-    flights.extend(low.stopped.iter().zip(low.until).map(|(&index, until)| {
-        let of = meetings[index].block.of;
-        (contacts.pair_of(of).map_or(of, Of::Contact), until)
+    flights.extend(low.into_iter().map(|low| {
+        let of = meetings[low.index].block.of;
+        (contacts.pair_of(of).map_or(of, Of::Contact), low.until)
     }));
     let met =
         Met { meetings: &meetings, rates: &rates, impulses: &impulses.normal, ends: &ends, stopped: found.triggers };
