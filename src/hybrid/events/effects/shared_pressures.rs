@@ -12,7 +12,7 @@
 //! little.
 
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
-use crate::instant::cone::sharing::on_equal_springs;
+use crate::instant::cone::sharing::{of_vanishing_compliance, on_equal_springs};
 use crate::instant::cone::solve_apart;
 use crate::instant::holding::blocks::{Block, Of};
 use crate::mechanism::motion::contact_solvers::ContactSolvers;
@@ -29,12 +29,12 @@ pub(crate) fn solve_as_steps_share(
 ) -> Result<Answer, Unsolved> {
     let solved = solve_apart(problem, solvers)?;
     let begins = |(law, state): (&Law, &BlockState)| matches!(law, Law::Contact { .. }) && *state == BlockState::Slips;
-    if !problem.laws.iter().zip(&solved.states).any(begins) {
-        return Ok(solved);
+    if problem.laws.iter().zip(&solved.states).any(begins)
+        && let Some(shared) = with_shared_pressures(blocks, problem.mobility)
+    {
+        return Ok(solve_apart(&Problem { mobility: &shared, ..*problem }, solvers).unwrap_or(solved));
     }
-    let again = with_shared_pressures(blocks, problem.mobility)
-        .and_then(|shared| solve_apart(&Problem { mobility: &shared, ..*problem }, solvers).ok());
-    Ok(again.unwrap_or(solved))
+    Ok(of_vanishing_compliance(problem, &solved).unwrap_or(solved))
 }
 
 /// D' for the blocks of a decision; `None` if no normals imply others.

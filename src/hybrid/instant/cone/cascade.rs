@@ -272,7 +272,7 @@ fn swept(scaled: &Scaled) -> Vec<f64> {
 }
 
 /// Newton's method with compliances that vanish, each from the forces of the last one.
-fn compliant(scaled: &Scaled) -> Vec<f64> {
+pub(super) fn compliant(scaled: &Scaled) -> Vec<f64> {
     let mut forces = vec![0.0; scaled.free.len()];
     for compliance in COMPLIANCES {
         improve(&scaled.softened(compliance), &mut forces, EVERYDAY);

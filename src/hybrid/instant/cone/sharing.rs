@@ -12,10 +12,15 @@
 //! has this solution for every ε, because the added term vanishes. Springs do not pull: contacts without an impulse leave the springs, and the z of
 //! the others alone follow. Such a contact presses again if the motion brings it down, or if the springs of the others would press there:
 //! `P' = Σ c_i P_i > 0` with its gradient `r = Σ c_i r_i`.
+//!
+//! Normals that are independent may still have several impulses where contacts slip and rows of friction imply others: a cart that meets a step
+//! squarely with both front wheels has a motion straight on, and two that are mirror images of each other. Compliances in all blocks that vanish
+//! together, from impulses of zero on, lead to the first: every step of Newton's method treats mirror images alike, and sweeps do not.
 
 use crate::instant::cone::apart::{parts_of, sub_matrix, with_unit_diagonal};
-use crate::instant::cone::cascade::{ACCEPTED, solve_to_part};
+use crate::instant::cone::cascade::{ACCEPTED, EVERYDAY, compliant, solve_to_part};
 use crate::instant::cone::least_norm::{least_norm, spread};
+use crate::instant::cone::newton::improve;
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
 use crate::instant::cone::scaled::Scaled;
 use crate::instant::cone::settling::settle;
@@ -32,6 +37,8 @@ const LIFTED: f64 = 1e-7;
 const IMPLIED: f64 = 1e-9;
 /// Springs of other contacts press if they do so with more than this part of all impulses.
 const PRESSES: f64 = 1e-9;
+/// Rates that differ by less than this part of the largest are of one motion.
+const ALIKE: f64 = 1e-8;
 /// Rounds in which contacts may open or press again.
 const ROUNDS: usize = 12;
 
@@ -49,7 +56,29 @@ pub(super) fn solve_sharing(
         return Ok(solved);
     }
     let enough = solved.residual.max(ACCEPTED);
-    Ok(shared(problem, part).filter(|found| found.residual <= enough).unwrap_or(solved))
+    let shared = shared(problem, part).filter(|found| found.residual <= enough);
+    Ok(shared.or_else(|| of_vanishing_compliance(problem, &solved)).unwrap_or(solved))
+}
+
+/// The answer behind those with a compliance in each block that vanishes, if it moves otherwise than one that was found; `None` if it does not, or if there
+/// is one answer: with fewer than two contacts, where none slides, or where no rows imply others.
+pub(crate) fn of_vanishing_compliance(problem: &Problem, solved: &Answer) -> Option<Answer> {
+    let closed = |(law, state): &(&Law, &BlockState)| law.rows() > 1 && **state != BlockState::Open;
+    let closed = || problem.laws.iter().zip(&solved.states).filter(closed);
+    if problem.laws.iter().filter(|law| law.rows() > 1).count() < 2
+        || closed().all(|(_, state)| *state == BlockState::Sticks)
+    {
+        return None;
+    }
+    let rows: Vec<usize> = (0..problem.free.len()).filter(|&row| problem.mobility[(row, row)] > 0.0).collect();
+    implied(with_unit_diagonal(problem.mobility, &rows).0).filter(|columns| !columns.is_empty())?;
+    let scaled = Scaled::new(problem);
+    let mut forces = compliant(&scaled);
+    improve(&scaled, &mut forces, EVERYDAY);
+    let found = settle(problem, &scaled, &forces);
+    let largest = problem.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    let moves_alike = found.rates.iter().zip(&solved.rates).all(|(one, other)| (one - other).abs() <= ALIKE * largest);
+    (!moves_alike && found.residual <= solved.residual.max(ACCEPTED)).then_some(found)
 }
 
 /// The answer of equal springs; `None` if no normals imply others, or if it is not found.
