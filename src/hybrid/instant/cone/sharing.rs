@@ -60,14 +60,15 @@ pub(super) fn solve_sharing(
     Ok(shared.or_else(|| of_vanishing_compliance(problem, &solved)).unwrap_or(solved))
 }
 
-/// The answer behind those with a compliance in each block that vanishes, if it moves otherwise than one that was found; `None` if it does not, or if there
-/// is one answer: with fewer than two contacts, where none slides, or where no rows imply others.
+/// The answer behind those with a compliance in each block that vanishes, if it moves otherwise than one that was found, or more contacts bear; `None` if it
+/// is no other, or if there is one answer: with fewer than two contacts, where all stick, or where no rows imply others.
 pub(crate) fn of_vanishing_compliance(problem: &Problem, solved: &Answer) -> Option<Answer> {
-    let closed = |(law, state): &(&Law, &BlockState)| law.rows() > 1 && **state != BlockState::Open;
-    let closed = || problem.laws.iter().zip(&solved.states).filter(closed);
-    if problem.laws.iter().filter(|law| law.rows() > 1).count() < 2
-        || closed().all(|(_, state)| *state == BlockState::Sticks)
-    {
+    let contacts = |answer: &Answer| {
+        let states = problem.laws.iter().zip(&answer.states).filter(|(law, _)| law.rows() > 1);
+        states.map(|(_, state)| *state).collect::<Vec<BlockState>>()
+    };
+    let states = contacts(solved);
+    if states.len() < 2 || states.iter().all(|state| *state == BlockState::Sticks) {
         return None;
     }
     let rows: Vec<usize> = (0..problem.free.len()).filter(|&row| problem.mobility[(row, row)] > 0.0).collect();
@@ -78,7 +79,9 @@ pub(crate) fn of_vanishing_compliance(problem: &Problem, solved: &Answer) -> Opt
     let found = settle(problem, &scaled, &forces);
     let largest = problem.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
     let moves_alike = found.rates.iter().zip(&solved.rates).all(|(one, other)| (one - other).abs() <= ALIKE * largest);
-    (!moves_alike && found.residual <= solved.residual.max(ACCEPTED)).then_some(found)
+    let open = |states: &[BlockState]| states.iter().filter(|state| **state == BlockState::Open).count();
+    let is_other = !moves_alike || open(&contacts(&found)) < open(&states);
+    (is_other && found.residual <= solved.residual.max(ACCEPTED)).then_some(found)
 }
 
 /// The answer of equal springs; `None` if no normals imply others, or if it is not found.
