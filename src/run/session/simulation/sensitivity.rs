@@ -22,6 +22,7 @@ mod inertial;
 mod parameters;
 mod prepared;
 mod starts;
+mod unknown;
 
 pub use gradient::{Backward, EventLost, Gradient, Lost, SampledEvent, Samples};
 use prepared::{Prepared, are_beside};

@@ -22,6 +22,7 @@ use crate::session::model::{Model, number_of};
 use crate::session::simulation::Simulation;
 use crate::session::simulation::sensitivity::inertial;
 use crate::session::simulation::sensitivity::starts::Bounds;
+use crate::session::simulation::sensitivity::unknown::refuse;
 use crate::session::tangents::Tangents;
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -198,6 +199,8 @@ impl Simulation {
         let mut state = begun.map_err(|error| edge(error.to_string()))?;
         state.time = start.time;
         let mut other = model.description().mechanism.clone();
+        // A belt that stands, say: its number has a derivative that the equations do not know.
+        refuse(&other)?;
         let arms = in_same_frames([self.model.description(), model.description()], &mut other, &mut state);
         let mechanism = &self.model.description().mechanism;
         let figures = listed(&other, &frames(&model));
