@@ -166,12 +166,12 @@ fn derivatives_refuse_what_they_do_not_know_in_one_line() {
 
 #[test]
 fn derivatives_by_a_number_of_a_belt_that_stands_are_refused_as_those_of_one_that_moves() {
-    let floor = "[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\npose = { position = [0, 0, -2] }\nrolling_friction = 0\n";
+    let floor = "[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\npose = { position = [0, 0, -2] }\nfriction = 0.4\nrolling_friction = 0\n";
     let model = Model::load(parallelogram("underivable_numbers", false, floor)).expect("a model");
     let by = |key: &str| Simulation::new(&model).duration(0.1).sensitivity(&[key]);
     for (key, said) in [
         ("obstacle.floor.surface_velocity.x", "surfaces that move"),
-        ("obstacle.floor.rolling_friction", "rolling and spinning friction"),
+        ("obstacle.floor.rolling_friction", "there is no derivative by it at 0"),
     ] {
         let error = by(key).expect_err(key).to_string();
         assert!(error.contains(said) && error.lines().count() == 1, "{key}: {error}");
