@@ -11,3 +11,8 @@ class InputError(CatenaError, ValueError):
 
 class RunError(CatenaError, RuntimeError):
     """A run failed part-way: a step, a controller, a full disk. Its log is complete up to there."""
+
+
+def no_joint(name, known):
+    """The error of a joint that is not among those that move."""
+    return InputError(f"there is no joint {name!r}; the joints that move are {', '.join(map(repr, known))}")

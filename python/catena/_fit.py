@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._errors import CatenaError, InputError
+from ._errors import CatenaError, InputError, no_joint
 from ._how import how
 from ._model import Model
 
@@ -120,7 +120,7 @@ def fit(
     joints = list(model.joint_names if joints is None else joints)
     for joint in joints:
         if joint not in model.joint_names:
-            raise InputError(f"there is no joint {joint!r}; the joints that move are {', '.join(map(repr, model.joint_names))}")
+            raise no_joint(joint, model.joint_names)
     if data.shape[1] != len(joints):
         raise InputError(f"data has {data.shape[1]} columns for {len(joints)} joints: {', '.join(joints)}")
     bounds = bounds or {}
@@ -299,10 +299,8 @@ def _start(model, key):
 def _measured(t, data):
     """The times (samples), the data (samples, joints) and the spacing of the times [s], if they are measurements."""
     t, data = np.asarray(t, float), np.asarray(data, float)
-    if t.ndim != 1 or len(t) < 2:
-        raise InputError("t: give at least two equally spaced times, from 0 on")
-    spacing = float(t[-1] - t[0]) / (len(t) - 1)
-    if not (t[0] >= 0 and spacing > 0 and np.allclose(np.diff(t), spacing, rtol=1e-6, atol=0)):
+    spacing = float(t[-1] - t[0]) / (len(t) - 1) if t.ndim == 1 and len(t) > 1 else 0.0
+    if not (spacing > 0 and t[0] >= 0 and np.allclose(np.diff(t), spacing, rtol=1e-6, atol=0)):
         raise InputError("t: give at least two equally spaced times, from 0 on")
     if data.ndim not in (1, 2) or len(data) != len(t):
         raise InputError(f"data has the shape {data.shape} for {len(t)} times; give one row for each time")

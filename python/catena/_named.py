@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ._errors import InputError
+from ._errors import InputError, no_joint
 
 
 class NamedArray(np.ndarray):
@@ -39,7 +39,7 @@ class NamedArray(np.ndarray):
         if self._places is None:
             raise InputError(f"this array has no names; ask the whole array for {name!r}")
         if name not in self._places:
-            raise InputError(f"there is no joint {name!r}; the joints that move are {', '.join(map(repr, self._places))}")
+            raise no_joint(name, self._places)
         first, last = self._places[name]
         return (..., first) if last == first + 1 else (..., slice(first, last))
 

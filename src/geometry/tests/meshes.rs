@@ -102,30 +102,19 @@ fn a_mesh_is_touched_on_both_sides_whatever_the_order_of_the_corners_of_its_tria
                 b.translation.z -= away * one.distance(&o, &b).distance;
             }
             let gaps = |mesh: &PairGeometry, at: &Pose| {
-                let mut places: Vec<[f64; 4]> = mesh
-                    .touches(&o, at, 0.03)
-                    .iter()
-                    .map(|place| [place.gap, place.normal.x, place.normal.y.abs(), place.normal.z.abs()])
-                    .collect();
-                places.sort_by(|one, other| {
-                    one.iter()
-                        .zip(other)
-                        .map(|(one, other)| one.total_cmp(other))
-                        .find(|order| order.is_ne())
-                        .unwrap_or(std::cmp::Ordering::Equal)
-                });
-                places
+                let mut gaps: Vec<f64> = mesh.touches(&o, at, 0.03).iter().map(|place| place.gap).collect();
+                gaps.sort_by(f64::total_cmp);
+                gaps
             };
             let wanted = gaps(&one, &b);
             for (mesh, at) in [(&other, b), (&third, half_turn * b)] {
                 let found = gaps(mesh, &at);
                 assert_eq!(found.len(), wanted.len(), "{shape:?}, round {round}: {found:?} for {wanted:?}");
                 // Roundings of lengths below 1 m.
-                let apart = |(found, wanted): (&[f64; 4], &[f64; 4])| (found[0] - wanted[0]).abs();
-                let most = found.iter().zip(&wanted).map(apart).fold(0.0, f64::max);
+                let most = found.iter().zip(&wanted).map(|(found, wanted)| (found - wanted).abs()).fold(0.0, f64::max);
                 assert!(most <= 1e-14, "{shape:?}, round {round}: {most:e}");
             }
-            touched += usize::from(wanted.first().is_some_and(|place| place[0].abs() < 1e-3));
+            touched += usize::from(wanted.first().is_some_and(|gap| gap.abs() < 1e-3));
             below += usize::from(away < 0.0 && !wanted.is_empty());
         }
     }

@@ -173,9 +173,9 @@ fn stop_unless_costly(
     let numbers = |low: &[Low]| low.iter().map(|low| low.index).collect::<Vec<usize>>();
     let accumulates = |low: &Low| low.returns && meetings[low.index].restitution == 0.0;
     let (all, was, had) = (numbers(&low), state.velocity.clone(), impulses.clone());
-    let alone = energy_alone(scene, state, meetings, &all);
+    let most = (!low.iter().all(accumulates)).then(|| MORE * energy_alone(scene, state, meetings, &all));
     stop(scene, state, meetings, &all, impulses);
-    if low.iter().all(accumulates) || impulses.lost - had.lost <= MORE * alone {
+    if most.is_none_or(|most| impulses.lost - had.lost <= most) {
         return low;
     }
     state.velocity = was;

@@ -21,7 +21,8 @@ use nalgebra::DMatrix;
 /// ε.
 const GIVES: f64 = 1e-6;
 
-/// Solves the law of the blocks; again with D' where something begins to slide, if that can be solved.
+/// Solves the law of the blocks; again with D' where something begins to slide and normals imply each other, if that can be solved. Of several answers
+/// elsewhere it is the one of vanishing compliances.
 pub(crate) fn solve_as_steps_share(
     blocks: &[Block],
     problem: &Problem,
