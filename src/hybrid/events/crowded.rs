@@ -19,7 +19,6 @@
 use crate::crowd::newton::Interrupt;
 use crate::events::crowd::contacts::{Scene, has_row};
 use crate::events::crowd::step::Made;
-use crate::events::effects::resting::energy;
 use crate::events::integrator::Eventful;
 use crate::events::modes::mode::MotorMode;
 use crate::events::parts::crowding::{Crowding, LABOUR_WITHIN};
@@ -297,7 +296,6 @@ impl Eventful {
         self.progress.in_crowd = false;
         self.progress.is_careful = false;
         self.progress.crowding.leave(state.time);
-        let before = energy(&self.model.whole, state).total();
         self.previous.outside.clear();
         self.previous.outside.extend_from_slice(inputs.efforts);
         for index in 0..self.model.elements.motors.len() {
@@ -307,9 +305,8 @@ impl Eventful {
             }
         }
         let events = self.tally.events.len();
-        self.pass_anew(inputs, state);
+        outcome.exchange += self.pass_anew(inputs, state);
         self.tally.events.truncate(events);
-        outcome.exchange.impacts += before - energy(&self.model.whole, state).total();
         self.progress.stepped_over = Some(state.clone());
         let piece = self.workspaces.active_mut();
         piece.small = piece.moving.gather(&self.model.whole, state);

@@ -18,7 +18,7 @@ use crate::events::modes::mode::JointMode;
 use crate::instant::dynamics::mass_matrix::mass_matrix;
 use crate::instant::holding::blocks::row_of_freedom;
 use crate::instant::start::assembly::assemble;
-use crate::mechanism::forces::total::{BodyWrench, Exchange, body_wrenches, joint_efforts};
+use crate::mechanism::forces::total::{BodyWrench, body_wrenches, joint_efforts};
 use crate::mechanism::motion::efforts::efforts_of_wrenches;
 use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::StepOutcome;
@@ -64,13 +64,12 @@ impl Eventful {
         self.previous.outside.clear();
         self.previous.outside.extend_from_slice(inputs.efforts);
         let _ = self.pass_anew(inputs, state);
-        let impacts = energy(&self.model.whole, &start).total() + work - energy(&self.model.whole, state).total();
+        let lost = energy(&self.model.whole, &start).total() + work - energy(&self.model.whole, state).total();
         let piece = self.workspaces.active_mut();
         piece.small = piece.moving.gather(&self.model.whole, state);
         self.tally.steps += 1;
         self.tally.stepped += step;
-        let exchange = Exchange { work, impacts, ..Exchange::default() };
-        StepOutcome::new(step, 1, exchange)
+        StepOutcome::new(step, 1, self.exchange_of_balance(work, lost))
     }
 
     /// Whether the last step began near such a position.

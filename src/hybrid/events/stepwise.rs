@@ -122,7 +122,7 @@ impl Eventful {
         self.pass_anew(inputs, state);
         self.tally.events.truncate(events);
         // Closed contacts have been moved, which must not gain energy either.
-        let impacts = self.bound(&start, state, work);
+        let lost = self.bound(&start, state, work);
         let bodies = body_states(&self.model.whole, state);
         let distance = |&pair: &usize| self.model.touching.distance_within(pair, &bodies, 0.0);
         self.trial.overlap = near.iter().map(distance).fold(self.trial.overlap, |deepest, gap| deepest.max(-gap));
@@ -130,7 +130,7 @@ impl Eventful {
         piece.small = piece.moving.gather(&self.model.whole, state);
         self.tally.steps += 1;
         self.tally.stepped += step;
-        StepOutcome::new(step, 1, Exchange { work, impacts, ..Exchange::default() })
+        StepOutcome::new(step, 1, self.exchange_of_balance(work, lost))
     }
 
     /// Whether a step of first order under the dampers, springs and motors of its start reverses what they damp: `h (D + h K) Y > 2` along a freedom.
@@ -165,6 +165,13 @@ impl Eventful {
             end.velocity.iter_mut().for_each(|rate| *rate *= factor);
         }
         before.total() + work - energy(&self.model.whole, end).total()
+    }
+
+    /// The exchange of a step with this work of motors and loads that has lost this energy (J). Joints that are moved in time do work that nothing but the
+    /// balance tells: what the step gains is theirs.
+    pub(super) fn exchange_of_balance(&self, work: f64, lost: f64) -> Exchange {
+        let given = if self.model.whole.moves_joints() { (-lost).max(0.0) } else { 0.0 };
+        Exchange { work: work + given, impacts: lost + given, ..Exchange::default() }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Trees at rest: a group of trees that press on each other takes part in no step while nothing reaches it.
 //!
 //! ```text
+//!     a group:        trees that a contact joins whose gap is at most 1 µm, or that presses in the step
 //!     falls asleep:   |v| + k |ω| ≤ 1e-6 g h  of all bodies of the group [m/s], in three steps, or at the ends of fifty;      k = (tr J/2m)^½ (m)
 //!                     |Δx| + k |ΔR|/√2 ≤ 1e-6 g h²  in fifty steps;
 //!                     a(q, 0) = a of the last step to 1e-6 g
@@ -173,14 +174,15 @@ impl Resting {
         }
     }
 
-    /// Sees the bodies at the start and at the end of a step, whose speeds in it were these [m/s, rad/s], and the accelerations in it: lets trees fall
-    /// asleep, whose rates are then zero. `accelerations_at_rest` works them out in a state. Returns whether there are any.
+    /// Sees the bodies at the start and at the end of a step, whose speeds in it were these [m/s, rad/s], its contacts from its start and those at its end,
+    /// and the accelerations in it: lets trees fall asleep, whose rates are then zero. `accelerations_at_rest` works them out in a state. Returns whether
+    /// there are any.
     pub fn settle(
         &mut self,
         mechanism: &Mechanism,
         [began, bodies]: [&[BodyState]; 2],
         speeds: &[(f64, f64)],
-        contacts: &mut Contacts,
+        (moving, contacts): (&Contacts, &mut Contacts),
         (state, step): (&mut State, f64),
         (accelerations, accelerations_at_rest): (&[f64], AtRest),
     ) -> bool {
@@ -208,7 +210,10 @@ impl Resting {
         for candidate in contacts.list.iter().filter(|candidate| candidate.belt != Vector3::zeros()) {
             candidate.ends.into_iter().flatten().for_each(|body| self.still[self.asleep.of_body[body]] = [0; 3]);
         }
+        // What bore a tree in this step may have left it at its end: a box that slides away under a lever.
+        let bore = moving.list.iter().filter(|candidate| candidate.moving.x > 0.0);
         let joining = contacts.list.iter().filter(|candidate| candidate.gap <= JOINS || candidate.settling.x > 0.0);
+        let joining = bore.chain(joining);
         let groups = groups(self.asleep.group.len(), joining.map(|candidate| candidate.sides));
         let all_still = |group: &Vec<usize>| group.iter().all(|&tree| !self.asleep.has(tree) && self.rests(tree));
         let groups: Vec<Vec<usize>> = groups.into_iter().filter(all_still).collect();

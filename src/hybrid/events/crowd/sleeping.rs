@@ -25,10 +25,11 @@ impl Crowd {
         step: f64,
         speeds: &[(f64, f64)],
     ) -> bool {
-        let Crowd { resting, trees, now, began, bodies, efforts, acceleration, .. } = self;
+        let Crowd { resting, trees, now, next, began, bodies, efforts, acceleration, .. } = self;
         let mut at_rest = |at: &State, accelerations: &mut [f64]| forces(at, accelerations, efforts);
         let of_step = (acceleration.as_slice(), &mut at_rest as &mut dyn FnMut(&State, &mut [f64]));
-        let any = resting.settle(scene.whole, [began, bodies], speeds, now, (state, step), of_step);
+        // The candidates of the start have changed places with those of the end.
+        let any = resting.settle(scene.whole, [began, bodies], speeds, (next, now), (state, step), of_step);
         if any {
             now.fill_rows(scene, &resting.asleep, trees, bodies, 0);
             self.end = Some((state.clone(), step));

@@ -6,9 +6,11 @@ use crate::events::crowd::step::{Crowd, Made};
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::touching::Touching;
+use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
 use crate::mechanism::description::course::Course;
 use crate::mechanism::description::forces::LinkLoad;
-use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+use crate::mechanism::description::mechanism::{Body, Mechanism};
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
@@ -127,4 +129,30 @@ fn a_box_that_sleeps_wakes_in_the_step_in_which_a_load_begins() {
     let speed = 0.2 * (8.0 - 0.5 * 9.81);
     // The load begins at the end of a step, or within one: a step of 3.1 mm/s.
     assert!((state.velocity[0] - speed).abs() < 3.2e-3, "{} {speed}", state.velocity[0]);
+}
+
+#[test]
+fn a_bolt_falls_when_the_box_that_bore_it_has_slid_away_however_long_it_has_stood_still() {
+    // A bolt on an upright slide stands on a box, which slides on without friction at 0.5 m/s. Its end passes the bolt at (0.1 + 0.03)/0.5 = 0.26 s.
+    let mut mechanism = boxes(1, Vector3::repeat(0.1), 0.0, 0.0);
+    let joint = Joint::new("slide", JointKind::Prismatic, Pose::translation(0.0, 0.0, 0.23), Pose::identity());
+    let bolt = Body { name: "bolt".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(1e-3), joint };
+    let nonsmooth = std::mem::take(&mut mechanism.nonsmooth);
+    let bodies = vec![mechanism.bodies[0].clone(), bolt];
+    mechanism = Mechanism::new("bolt", mechanism.gravity, bodies).expect("a box and a bolt");
+    mechanism.nonsmooth = nonsmooth;
+    let nonsmooth = &mut mechanism.nonsmooth;
+    let shape = Shape::Box { half: Vector3::repeat(0.03) };
+    nonsmooth.colliders.push(Collider::still("bolt", Some(1), Pose::identity(), shape));
+    nonsmooth.pairs.push(ContactPair::without_moments(1, [1, 2], 0.0, 0.0));
+    let mut start = State::zero(&mechanism);
+    put(&mut start, 0, [0.0, 0.0, 0.1], [0.0; 3]);
+    start.velocity[0] = 0.5;
+    for sleeps in [true, false] {
+        let mut state = start.clone();
+        run_with(&mechanism, &mut state, (1e-3, 0.4), sleeps, |_, _| ());
+        let fallen = 0.5 * 9.81 * 0.14_f64.powi(2);
+        // It leaves within one step: g 0.14 h.
+        assert!((state.position[7] + fallen).abs() < 1.5e-3, "sleeps: {sleeps}, {} m", state.position[7]);
+    }
 }

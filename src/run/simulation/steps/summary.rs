@@ -33,7 +33,7 @@ pub struct Summary {
     /// Energy dissipated over the run, and work put in by forces without a potential (J).
     pub exchange: Exchange,
     /// Largest deviation of the total energy, plus the dissipated energy, less the work put in, from its start, relative to the largest kinetic
-    /// energy seen.
+    /// energy seen. What dampers, friction and impacts give in a step explains no energy, because they can only take some.
     pub max_relative_energy_error: f64,
     /// That deviation (J).
     pub max_energy_error: f64,
@@ -57,6 +57,9 @@ pub struct Summary {
 
 /// Kinetic energies below this part of the others belong to a robot at rest.
 const AT_REST: f64 = 1e-9;
+
+/// Energies below this part of the kinetic one, which dampers, friction and impacts seem to give in a step, are roundings.
+const GIVEN: f64 = 1e-12;
 
 /// Events of a run that are kept, the first ones.
 pub(crate) const KEPT_EVENTS: usize = 1000;
@@ -121,6 +124,8 @@ pub(crate) struct Bookkeeper {
     largest_deviation: f64,
     /// Whether there are motors.
     driven: bool,
+    /// What dampers, friction and impacts have given in steps (J).
+    given: f64,
     /// The rounding errors of the sums of dissipated energy and work.
     rest: Exchange,
 }
@@ -142,6 +147,7 @@ impl Bookkeeper {
             largest_kinetic: initial.kinetic,
             largest_deviation: 0.0,
             driven: !mechanism.nonsmooth.motors.is_empty(),
+            given: 0.0,
             rest: Exchange::default(),
         }
     }
@@ -163,7 +169,8 @@ impl Bookkeeper {
         self.largest_kinetic = self.largest_kinetic.max(energy.kinetic + outcome.exchange.impacts.max(0.0));
         summary.largest_kinetic = self.largest_kinetic;
         summary.see_forces(mechanism, state, energy.spring);
-        let balance = energy.total() - summary.initial_energy.total() + exchange.lost();
+        self.given += given(&outcome.exchange, self.largest_kinetic);
+        let balance = energy.total() - summary.initial_energy.total() + exchange.lost() + self.given;
         self.largest_deviation = worse(self.largest_deviation, balance.abs());
         summary.max_energy_error = self.largest_deviation;
         let moved = if self.driven { moved_by_motors(&exchange, &energy) } else { 0.0 };
@@ -171,6 +178,13 @@ impl Bookkeeper {
         summary.max_relative_energy_error =
             if scale > 0.0 { self.largest_deviation / scale } else { self.largest_deviation };
     }
+}
+
+/// The energy that dampers, friction and impacts have given in a step of this exchange (J), beyond roundings of the kinetic energy (J). Each of them takes
+/// energy, and belts and motors that move joints do work.
+pub(crate) fn given(exchange: &Exchange, kinetic: f64) -> f64 {
+    let given = -(exchange.dissipated + exchange.friction + exchange.impacts);
+    if given > GIVEN * kinetic { given } else { 0.0 }
 }
 
 /// The energy that motors have moved (J). They hold a robot with next to no motion: the balance is one of the energies that they move, too.
@@ -204,4 +218,40 @@ fn add(sum: &mut f64, rest: &mut f64, term: f64) {
     let next = *sum + wanted;
     *rest = wanted - (next - *sum);
     *sum = next;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+    use crate::mechanism::description::mechanism::Body;
+    use crate::mechanism::motion::kinematics::body_states;
+    use nalgebra::Vector3;
+
+    /// The largest error of the energy balance (J) if a body of 2 kg passes from 1 m/s to this speed (m/s) in a step with this exchange.
+    fn error_behind(speed: f64, exchange: Exchange) -> f64 {
+        let joint = Joint::new("body", JointKind::Floating, Pose::identity(), Pose::identity());
+        let body = Body { name: "body".into(), parent: None, mass: 2.0, inertia: Vector3::repeat(0.01), joint };
+        let mechanism = Mechanism::new("body", Vector3::zeros(), vec![body]).expect("a body");
+        let mut state = State::zero(&mechanism);
+        state.velocity[0] = 1.0;
+        let mut bookkeeper = Bookkeeper::new(&mechanism, &state, &body_states(&mechanism, &state));
+        state.velocity[0] = speed;
+        let outcome = StepOutcome::new(0.01, 1, exchange);
+        bookkeeper.record(&mechanism, &state, &body_states(&mechanism, &state), outcome);
+        bookkeeper.summary.max_energy_error
+    }
+
+    #[test]
+    fn energy_that_an_impact_gives_is_an_error_of_the_balance_and_what_it_takes_or_a_belt_gives_is_none() {
+        // From 1 J to 4 J, or to 0.25 J.
+        let of_impacts = |impacts: f64| Exchange { impacts, ..Exchange::default() };
+        assert_eq!(error_behind(2.0, of_impacts(-3.0)), 3.0);
+        assert_eq!(error_behind(0.5, of_impacts(0.75)), 0.0);
+        assert_eq!(error_behind(2.0, Exchange { work: 3.0, ..Exchange::default() }), 0.0);
+        // An impact upon a belt: it does work, and friction takes some of it.
+        assert_eq!(error_behind(2.0, Exchange { work: 3.5, friction: 0.25, ..of_impacts(0.25) }), 0.0);
+        // Roundings are no gain.
+        assert!(error_behind(1.0, of_impacts(-1e-16)) < 1e-15);
+    }
 }
