@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 
 /// Depths below this, relative to the size, differ by no more than this.
 const TOUCHING: f64 = 1e-9;
-/// Errors up to this, relative to the size, are roundings. Shapes with many small features have larger ones, because their normals do.
+/// Errors up to this, relative to the size, are roundings, beside those of places far from the origin. Shapes with many small features have larger ones, because their normals do.
 const ROUNDING: f64 = 2e-14;
 const ROUNDING_OF_SMALL: f64 = 2e-13;
 
@@ -62,8 +62,9 @@ impl<'a> Best<'a> {
     /// Whether the points of the best so far prove that it is exact to rounding, at least among the normals that were tried.
     pub fn is_exact(&self) -> bool {
         let dense = self.both.a.is_dense() || self.both.b.is_dense();
-        let rounding = if dense { ROUNDING_OF_SMALL } else { ROUNDING };
-        self.found.is_some_and(|found| self.error(&found) <= rounding * self.both.size())
+        let part = if dense { ROUNDING_OF_SMALL } else { ROUNDING };
+        let rounding = part * self.both.size() + f64::EPSILON * self.both.farthest();
+        self.found.is_some_and(|found| self.error(&found) <= rounding)
     }
 
     /// Whether no other normal can be better: of shapes that overlap there can be several that are exact among the normals around them.

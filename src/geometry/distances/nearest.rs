@@ -335,4 +335,34 @@ mod tests {
         }
         assert!(faces > 60 && others > 60, "{faces} {others}");
     }
+
+    #[test]
+    fn distances_far_from_the_origin_are_known_by_the_features_that_are_looked_at_first_as_those_near_it_are() {
+        let boxes = |size: [f64; 3], offset: Vector3<f64>| {
+            let pose = Pose::translation(offset.x, offset.y, offset.z);
+            Convex::new(&cuboid(size[0], size[1], size[2]), &pose).expect("possible").expect("convex")
+        };
+        let mut numbers = Numbers::new(11);
+        let (mut near, mut far) = (0, 0);
+        for _ in 0..400 {
+            let pose = numbers.pose(0.6);
+            let mut known = |offset: Vector3<f64>| {
+                // An obstacle is in the frame of the world.
+                let (obstacle, body) = (boxes([0.3, 0.2, 0.1], offset), boxes([0.1, 0.06, 0.08], Vector3::zeros()));
+                let (rotation, translation) = (*pose.rotation.matrix(), pose.translation.vector + offset);
+                let both = Both { a: &obstacle, b: &body, rotation, translation };
+                let mut best = Best::new(&both);
+                if let Some(normal) = both.hint(&Vector3::zeros()) {
+                    search(&mut best, &both, &normal, &DEPTHS);
+                }
+                (best.is_global(), nearest(&both).expect("a distance").distance())
+            };
+            let ((here, distance), (there, same)) = (known(Vector3::zeros()), known(Vector3::new(100.0, -40.0, 3.0)));
+            (near, far) = (near + usize::from(here), far + usize::from(there));
+            // Places at 108 m are rounded by 1.4e-14 m.
+            assert!((distance - same).abs() < 1e-13, "{distance} {same}");
+        }
+        // Where boxes overlap there is no hint.
+        assert!(near > 250 && near == far, "{near} near the origin, {far} far from it");
+    }
 }

@@ -60,6 +60,11 @@ impl Both<'_> {
         self.a.size.max(self.b.size)
     }
 
+    /// How far the shapes are from the origins of their frames, and these from each other, in all (m): obstacles are in the frame of the world.
+    pub fn farthest(&self) -> f64 {
+        self.a.centre.norm() + self.b.centre.norm() + self.translation.norm()
+    }
+
     /// A point of the second shape (m).
     pub fn of_b(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * point + self.translation
