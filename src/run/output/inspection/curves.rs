@@ -5,6 +5,8 @@
 //!                                                      T the kinetic energy of all steps in the log
 //! ```
 //!
+//! Of the two quaternions of an orientation, q and −q, the one nearer to that of the sample before is drawn; logs and tables have those with w ≥ 0.
+//!
 //! Events are thin ticks that stand on the axis of time.
 //!
 //! Long logs are thinned: of every interval of time the smallest and the largest value are drawn.
@@ -212,6 +214,8 @@ pub fn curves(log: &Path, kinds: &JointKinds, words: &[String]) -> Result<Figure
     if let Some(word) = words.iter().find(|word| !gatherer.has(word)) {
         return Err(CurvesError::Unknown { log: log.to_path_buf(), word: word.clone(), known: gatherer.known() });
     }
+    let orientations = gatherer.curves.iter_mut().filter(|(quantity, _)| *quantity == Quantity::Orientation);
+    orientations.for_each(|(_, curves)| curves.chunks_mut(4).for_each(go_on));
     gatherer.keep(words);
     let scale = if gatherer.largest_kinetic > 0.0 { gatherer.largest_kinetic } else { 1.0 };
     let all_points = || gatherer.curves.iter().flat_map(|(_, curves)| curves).flat_map(|curve| &curve.points);
@@ -235,6 +239,17 @@ pub fn curves(log: &Path, kinds: &JointKinds, words: &[String]) -> Result<Figure
         _ => " (the log is truncated)",
     };
     Ok(Figure { title: format!("{}{incomplete}", gatherer.scene), subtitle: gatherer.method.clone(), pictures })
+}
+
+/// Turns the signs of the four curves of an orientation so that they do not jump.
+fn go_on(curves: &mut [Curve]) {
+    let count = curves.iter().map(|curve| curve.points.len()).min().unwrap_or(0);
+    for sample in 1..count {
+        let along: f64 = curves.iter().map(|curve| curve.points[sample - 1].1 * curve.points[sample].1).sum();
+        if along < 0.0 {
+            curves.iter_mut().for_each(|curve| curve.points[sample].1 *= -1.0);
+        }
+    }
 }
 
 fn picture(quantity: Quantity, curves: Vec<Curve>, events: &[f64], end: f64, is_last: bool) -> Picture {
@@ -320,8 +335,25 @@ fn thinned(points: &[(f64, f64)], end: f64) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::INTERVALS;
-    use super::thinned;
+    use super::{Curve, INTERVALS, go_on, thinned};
+
+    #[test]
+    fn curves_of_an_orientation_do_not_jump_where_its_quaternions_change_sign() {
+        // Two turns about one axis in steps of 0.1 rad, with w ≥ 0 as in a log: it jumps at each half turn.
+        let mut curves: Vec<Curve> = (0..4).map(|_| Curve { label: String::new(), points: Vec::new() }).collect();
+        for step in 0..126 {
+            let (sine, cosine) = (0.05 * f64::from(step)).sin_cos();
+            let sign = cosine.signum();
+            for (curve, value) in curves.iter_mut().zip([cosine, 0.6 * sine, 0.0, 0.8 * sine]) {
+                curve.points.push((f64::from(step), sign * value));
+            }
+        }
+        go_on(&mut curves);
+        for curve in &curves {
+            assert!(curve.points.windows(2).all(|two| (two[1].1 - two[0].1).abs() <= 0.05));
+        }
+        assert!(curves[0].points[63].1 < -0.99, "half of the turns");
+    }
 
     #[test]
     fn thinning_keeps_every_peak_and_the_order_of_time() {
