@@ -52,6 +52,8 @@ pub(crate) struct Contacts {
     pub(super) seams: Vec<Contact>,
     /// Contacts that loops keep, which are not among all either ([`crate::instant::holding::kept_by_loops`]).
     pub(super) kept: Vec<Contact>,
+    /// Contacts among all that did not press before the event, and do not by it ([`crate::events::effects::unpressed`]).
+    pub(super) unpressed: Vec<Contact>,
     /// How many were there before points were added to flat ends.
     pub(super) gathered: usize,
     /// The numbers of those that slid there.
@@ -77,6 +79,7 @@ impl Contacts {
             known: Vec::new(),
             seams: Vec::new(),
             kept: Vec::new(),
+            unpressed: Vec::new(),
             gathered: 0,
             slid: Vec::new(),
             candidates: Vec::new(),
@@ -147,6 +150,7 @@ impl Contacts {
             }
         }
         contacts.take_flush(scene, before, sought, within, &bodies);
+        contacts.take_unpressed(scene, before, found, &bodies);
         contacts.leave_out_seams(touching, &bodies, 0);
         contacts.gathered = contacts.all.len();
         contacts
@@ -283,7 +287,8 @@ impl Contacts {
             let slip = if sticks { Vector3::zeros() } else { touch.slip };
             let own = rows_of_contact(scene.whole, &bodies, &contact.joint, rubs && sticks);
             rows.extend(own);
-            let (slides, opens) = (is(&yielding.slides) || is(&self.slid), is(&yielding.opens));
+            let slides = is(&yielding.slides) || is(&self.slid);
+            let opens = is(&yielding.opens) || self.unpressed.contains(contact);
             let turning = self.turning_above_rest(scene, &bodies, index, &yielding.halts);
             rows.extend(self.rows_of_rest(scene, &bodies, index, &turning));
             let turns = [false, true].map(|spinning| self.is_among(index, spinning, &yielding.turns));

@@ -127,6 +127,7 @@ pub(crate) fn transit(
     let struck = impulses.normal.iter().any(|&impulse| impulse != 0.0);
     if struck {
         jump_to_bounds(elements, mode, state, &mut done);
+        contacts.unpressed.clear();
     }
     // A contact that is seized in every round is undecided.
     let mut unsolved = true;

@@ -10,10 +10,13 @@
 
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::{Candidate, Scene};
+use crate::events::effects::memory::Found;
+use crate::events::finding::watched::Watched;
 use crate::events::forces::returning::shares;
 use crate::events::modes::mode::{Closed, Mode};
 use crate::instant::holding::kept_by_loops::kept_by_loops;
 use crate::instant::holding::touching::{Contact, TOUCHED};
+use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
@@ -25,6 +28,30 @@ impl Contacts {
         let kept = kept_by_loops(scene.whole, scene.response, state, &self.all, self.rest);
         self.kept = self.take_out(|number| kept[number]);
         self.gathered = self.all.len();
+    }
+
+    /// Adds the contacts that did not press before an event and still touch: if one of them opens because it does not press either, the others stay open.
+    /// Those of pairs that return or are looked at anew are decided with the others.
+    pub(super) fn take_unpressed(&mut self, scene: &Scene, before: &Mode, found: &Found, bodies: &[BodyState]) {
+        if found.anew {
+            return;
+        }
+        let returns = |pair: usize| {
+            found.triggers.iter().any(|trigger| match *trigger {
+                Watched::Returns(number) => before.unpressed[number].pair == pair,
+                _ => false,
+            })
+        };
+        for contact in &before.unpressed {
+            let within = scene.touching.pairs[contact.pair].within(TOUCHED);
+            let same = |known: &Contact| known.pair == contact.pair && known.features == contact.features;
+            let touches = || touch_motion(&contact.joint, bodies).gap.abs() <= within;
+            if !returns(contact.pair) && !self.all.iter().any(same) && touches() {
+                self.known.push(None);
+                self.all.push(contact.clone());
+                self.unpressed.push(contact.clone());
+            }
+        }
     }
 
     /// Adds contacts of pairs at rest that touch now and do not move; false if there are none. Flat ends choose their points in other ways.
