@@ -50,7 +50,10 @@ pub(crate) fn proximal_points(
     let mut rates = Vec::new();
     let tolerance = effort.residual;
     let (mut halved, mut since) = (residual, first);
-    while residual > tolerance && room.iterations - first < most && failed < FAILURES * STIFFER.len() {
+    // A problem is work even if its impulses are those of the last.
+    let mut problems = 0;
+    while residual > tolerance && room.iterations - first + problems < most && failed < FAILURES * STIFFER.len() {
+        problems += 1;
         let stiffer = STIFFER[failed % STIFFER.len()];
         room.centre = Some(Centre { proximal, stiffer, impulses: here.clone() });
         let (mut near, before) = (here.clone(), room.iterations);

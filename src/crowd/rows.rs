@@ -33,6 +33,17 @@ impl Rows {
         self.entries.clear();
     }
 
+    /// How many there are, by which they are forgotten from there on.
+    pub fn mark(&self) -> [usize; 2] {
+        [self.columns.len(), self.entries.len()]
+    }
+
+    /// Forgets the rows after a mark.
+    pub fn go_back(&mut self, mark: [usize; 2]) {
+        self.columns.truncate(mark[0]);
+        self.entries.truncate(mark[1]);
+    }
+
     /// The columns and entries of one row.
     pub fn row(&self, side: &Side, row: usize) -> (&[usize], &[f64]) {
         let from = side.entries + row * side.count;

@@ -108,3 +108,35 @@ fn harder(
     problem.velocity(impulses, v);
     residual
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::laws::Law;
+    use crate::problem::Given;
+    use crate::rows::Rows;
+    use crate::trees::Trees;
+    use catena_mechanism::description::joint::{Joint, JointKind, Pose};
+    use catena_mechanism::description::mechanism::{Body, Mechanism};
+    use catena_mechanism::motion::kinematics::body_states;
+    use catena_mechanism::motion::state::State;
+
+    #[test]
+    fn a_problem_whose_residual_is_not_finite_is_given_up() {
+        let joint = Joint::new("slide", JointKind::Prismatic, Pose::identity(), Pose::identity());
+        let body = Body { name: "slide".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(1.0), joint };
+        let mechanism = Mechanism::new("slide", Vector3::zeros(), vec![body]).expect("a body that moves");
+        let mut trees = Trees::new(&mechanism);
+        trees.choose(&mechanism, &body_states(&mechanism, &State::zero(&mechanism)));
+        let mut rows = Rows::default();
+        // A row along which a unit impulse changes a rate by 1e-300 m/s calls for an impulse whose square is beyond all numbers.
+        let sides = [Some(rows.of_freedom(0, 1e-150, &trees)), None];
+        let bias = Vector3::new(-1.0, 0.0, 0.0);
+        let block = Given { sides, law: Law::Interval(0.0, f64::INFINITY), bias, compliance: 0.0 };
+        let (members, places) = ([0], [0]);
+        let mut problem = Problem::new(&trees, &rows, [&members, &places], &[0.0], [block].into_iter());
+        let (mut impulses, mut v) = (vec![Vector3::zeros()], Vec::new());
+        let residual = solve(&mut problem, &mut impulses, &mut v, (TOLERANCE, true), &mut Workspace::default());
+        assert!(!residual.is_finite(), "{residual:e}");
+    }
+}

@@ -181,3 +181,70 @@ fn a_limp_leg_that_falls_on_its_trunk_does_not_enter_it() {
     assert!(least > -1e-12 && least < 1e-9, "{least:e} m");
     assert!(finished.summary.contact.penetration <= 1e-12, "{:?}", finished.summary.contact);
 }
+
+/// A cart of four ball wheels of 0.15 m, with their axles `along` before and behind its middle and `across` beside it (m), that rolls over a floor up a step.
+/// Its halves are one chassis, or hang on a hinge about the vertical and are held by a rod.
+fn cart(name: &str, along: f64, across: f64, rod: bool, more: &str) -> (Model, State) {
+    let (ball, axle) = ("<sphere radius=\"0.15\"/>", "0 1 0");
+    let mut parts = vec![link("front", 1.2, 0.03, [0.0; 3], "")];
+    let mut rear = "front";
+    if rod {
+        rear = "rear";
+        parts.extend([
+            link("rear", 1.2, 0.03, [0.0; 3], ""),
+            joint("continuous", "front", "rear", [0.0; 3], "0 0 1", 0.0),
+        ]);
+    }
+    for (wheel, on, at) in [
+        ("w0", "front", [along, across, 0.0]),
+        ("w1", "front", [along, -across, 0.0]),
+        ("w2", rear, [-along, across, 0.0]),
+        ("w3", rear, [-along, -across, 0.0]),
+    ] {
+        parts.extend([link(wheel, 1.086, 0.0122, [0.0; 3], ball), joint("continuous", on, wheel, at, axle, 0.0)]);
+    }
+    let turns = 1.045 / 0.15;
+    let held = "[[loop]]\nname = \"rod\"\ntype = \"distance\"\nlength = 0.2\n\
+                a = { link = \"front\", position = [0.1, 0.1, 0.0] }\nb = { link = \"rear\", position = [0.1, -0.1, 0.0] }\n";
+    let scene = format!(
+        "base = \"floating\"\npose = {{ position = [3.1, 1.7, 0.15] }}\nvelocity = {{ linear = [1.045, 0.0, 0.0] }}\n\
+         velocities = {{ w0_joint = {turns}, w1_joint = {turns}, w2_joint = {turns}, w3_joint = {turns} }}\n{}\
+         [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = 0.85\n\
+         [[obstacle]]\nname = \"step\"\nshape = {{ type = \"box\", size = [0.5, 2.0, 0.0646] }}\n\
+         pose = {{ position = [3.85, 1.7, 0.0] }}\nfriction = 0.85\n{more}",
+        if rod { held } else { "" }
+    );
+    model(name, &parts, &scene)
+}
+
+/// How far the cart has come after 0.4 s (m).
+fn rolled(model: &Model, start: &State, steps: StepChoice) -> f64 {
+    let mut simulation =
+        Simulation::new(&model.mechanism, start.clone(), SimulationOptions::new(0.4, steps)).expect("a run");
+    simulation.step_to(0.4).expect("steps");
+    simulation.state().position[0]
+}
+
+const STEPS_OVER_EVENTS: StepChoice = StepChoice::Fixed { stages: StepChoice::OVER_EVENTS, step: 1e-3 };
+
+#[test]
+fn wheels_that_touch_on_their_axle_or_at_their_rims_roll_as_wheels_that_cannot_touch_do() {
+    for (name, along, across) in [("axle", 0.2447, 0.15), ("rims", 0.15, 0.25), ("both", 0.15, 0.15)] {
+        let apart = "[contact]\nself_contact = false\n";
+        let [touching, free] = [("", "touching"), (apart, "free")]
+            .map(|(more, kind)| cart(&format!("{name}_{kind}"), along, across, false, more));
+        for steps in [StepChoice::Tolerance(1e-6), STEPS_OVER_EVENTS] {
+            let [one, other] = [&touching, &free].map(|(model, start)| rolled(model, start, steps));
+            // The cart is 1e-6 m exact, and rolls 0.3 m.
+            assert!((one - other).abs() < 2e-6 && one > 3.3, "{name}: {one} m, not {other} m");
+        }
+    }
+}
+
+#[test]
+fn wheels_whose_axles_a_rod_holds_apart_press_each_other_in_no_step_over_events() {
+    let (model, start) = cart("rod", 0.15, 0.25, true, "");
+    let [exact, over] = [StepChoice::Tolerance(1e-6), STEPS_OVER_EVENTS].map(|steps| rolled(&model, &start, steps));
+    // Steps of a millisecond at 1 m/s, with an impact in one of them.
+    assert!((exact - over).abs() < 5e-3, "{over} m, not {exact} m");
+}

@@ -221,7 +221,8 @@ impl<'a> Wanted<'a> {
         let counts = mechanism.has_closures() && mechanism.nonsmooth.is_empty();
         let counted = counted.or_else(|| counts.then(|| Arc::new(Counted::at(mechanism, state))));
         let Some(tolerance) = self.choice.tolerance() else {
-            let given = self.choice.integrator(mechanism, kept)?.counted(counted);
+            let mut given = self.choice.integrator(mechanism, kept)?.counted(counted);
+            given.heed_interrupt(self.interrupt.as_ref());
             return Ok((given.into(), UnknownAccuracy::NotAsked));
         };
         if self.stepped {
@@ -246,5 +247,39 @@ impl<'a> Wanted<'a> {
             estimate: !matches!(self.choice, StepChoice::Unestimated(_)),
             over_events: 1.0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
+    use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+    use crate::mechanism::description::mechanism::Body;
+    use crate::mechanism::motion::inputs::Inputs;
+    use nalgebra::Vector3;
+    use std::sync::atomic::Ordering;
+
+    #[test]
+    fn given_steps_over_events_are_given_up_once_the_run_is_interrupted() {
+        let joint = Joint::new("ball", JointKind::Floating, Pose::identity(), Pose::identity());
+        let body = Body { name: "ball".into(), parent: None, mass: 1.0, inertia: Vector3::repeat(4e-3), joint };
+        let mut mechanism = Mechanism::new("ball", Vector3::z() * -9.81, vec![body]).expect("a body that moves");
+        let shapes = [(Some(0), Shape::Sphere { radius: 0.1 }), (None, Shape::HalfSpace)];
+        let shapes = shapes.map(|(body, shape)| Collider::still("one", body, Pose::identity(), shape));
+        mechanism.nonsmooth.colliders.extend(shapes);
+        mechanism.nonsmooth.pairs.push(ContactPair::without_moments(0, [0, 1], 0.5, 0.0));
+        let mut state = State::zero(&mechanism);
+        state.position[2] = 1.0;
+        let flag = Arc::new(AtomicBool::new(false));
+        let choice = StepChoice::Fixed { stages: StepChoice::OVER_EVENTS, step: 1e-3 };
+        let interrupt = Some(Held::Shared(flag.clone()));
+        let wanted = Wanted { choice, duration: 1.0, interrupt, counted: None, stepped: false };
+        let (mut run, _) = wanted.integrator(&mechanism, &state, &[], None).expect("possible steps");
+        let inputs = Inputs::constant(&[0.0; 6]);
+        let mut step = |state: &mut State| run.step(&mechanism, inputs, state, 1.0).expect("a step").step;
+        assert_eq!(step(&mut state), 1e-3);
+        flag.store(true, Ordering::Relaxed);
+        assert_eq!((step(&mut state), state.time), (0.0, 1e-3));
     }
 }

@@ -229,15 +229,26 @@ impl Contacts {
         all.filter(move |(_, candidate)| keeps(candidate)).map(|(number, candidate)| (number, candidate.sides))
     }
 
-    /// Fills the rows of the candidates from a number on, with trees that are placed in the same state.
+    /// Fills the rows of the candidates from a number on, with trees that are placed in the same state. A contact along whose normal nothing moves, as between
+    /// wheels whose axles are held apart, is no candidate: no impulse changes its rate, and any would do.
     pub fn fill_rows(&mut self, scene: Scene, asleep: &Asleep, trees: &Trees, bodies: &[BodyState], first: usize) {
         if first == 0 {
             self.rows.clear();
         }
+        let mut kept = first;
         for number in first..self.list.len() {
+            let mark = self.rows.mark();
             let sides = self.list[number].add_rows(&mut self.rows, scene, trees, bodies);
-            self.list[number].sides = sides.map(|side| side.filter(|side| !asleep.has(side.tree)));
+            let moves = |side: &Side| self.rows.row(side, 0).1.iter().any(|entry| *entry != 0.0);
+            if self.list[number].contact.is_some() && !sides.iter().flatten().any(moves) {
+                self.rows.go_back(mark);
+                continue;
+            }
+            self.list.swap(kept, number);
+            self.list[kept].sides = sides.map(|side| side.filter(|side| !asleep.has(side.tree)));
+            kept += 1;
         }
+        self.list.truncate(kept);
     }
 
     /// The rows of the same candidates where trees and bodies are at other places, each where it was in the rows here.

@@ -107,14 +107,15 @@ impl Model {
             for wheel in std::mem::take(&mut self.contact.wheels) {
                 self.mechanism.nonsmooth.colliders[wheel.collider].pose = wheel.written;
             }
-            // Shapes that are out of reach of each other are so where they were turned to.
+            // Shapes that are out of reach of each other, or keep their distance, are so where they were turned to.
             self.forget_reach();
         }
     }
 
     /// Puts pairs back whose shapes are out of reach of each other: the proof from the limits of joints no longer holds, and joints that were locked move.
     pub(crate) fn forget_reach(&mut self) {
-        let out_of_reach = |left: &LeftOutPair| matches!(left.because, NeverTouch::OutOfReach | NeverTouch::Locked);
+        let proved = [NeverTouch::OutOfReach, NeverTouch::Locked, NeverTouch::OneDistance];
+        let out_of_reach = |left: &LeftOutPair| proved.contains(&left.because);
         let back = self.contact.left_out.iter().filter(|left| out_of_reach(left)).map(|left| left.pair);
         let mut pairs: Vec<ContactPair> = self.mechanism.nonsmooth.pairs.iter().chain(back).collect();
         pairs.sort_by_key(|pair| (pair.a, pair.b));

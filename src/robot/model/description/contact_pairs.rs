@@ -12,7 +12,7 @@ use crate::model::description::chain_reach::{Ball, ball_about, never_meet_within
 use crate::model::description::contact_reach::ContactReach;
 use crate::model::description::kinship::Kinship;
 use crate::model::description::never_touch::NeverTouch;
-use crate::model::description::wheel::Wheel;
+use crate::model::description::wheel::{Wheel, rigid_with};
 use crate::scene::pattern::matches;
 use crate::scene::{ContactSettings, MeshSource, PairRule, Surface, Touching};
 
@@ -93,6 +93,8 @@ pub(crate) fn contact_pairs(
 ) -> (ContactPairs, Vec<LeftOutPair>) {
     let (mut pairs, mut left_out) = (ContactPairs::default(), Vec::new());
     let kinship = Kinship::new(reach.mechanism());
+    let rigid: Vec<Option<usize>> = colliders.iter().map(|collider| rigid_with(reach.mechanism(), collider)).collect();
+    let one_distance = |kept: bool| kept.then_some(NeverTouch::OneDistance);
     let itself = settings.touches_itself(robots);
     let balls: Vec<Ball> = if itself { colliders.iter().map(ball_about).collect() } else { Vec::new() };
     let roams = |collider: usize| matches!(owners[collider], Owner::Robot(_)) && reach.roams(&colliders[collider]);
@@ -124,7 +126,7 @@ pub(crate) fn contact_pairs(
             let moments = MomentLengths { rolling, spinning };
             let first = ContactPair { number: pairs.len(), a, b, friction, restitution, moments };
             let joined = || match own {
-                true => kinship.reason([one.body, other.body]),
+                true => kinship.reason([one.body, other.body]).or(one_distance(rigid[a] == rigid[b])),
                 false => (by_loop && !wanted).then_some(NeverTouch::Neighbours),
             };
             let within_limits =

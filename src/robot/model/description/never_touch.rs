@@ -11,6 +11,8 @@ pub enum NeverTouch {
     OutOfReach,
     /// Links of one robot without a joint that moves between them.
     OneBody,
+    /// Links of one robot that turn on the same link, each about the axis of its shape, so that the distance of the shapes never changes.
+    OneDistance,
     /// Links of one robot with one joint between them.
     Neighbours,
     /// The same only because joints are locked by their limits.
@@ -27,6 +29,9 @@ impl NeverTouch {
             NeverTouch::Ignored(line) => format!("ignored by the [[contact.pair]] of line {line}"),
             NeverTouch::OutOfReach => "the joints cannot bring them together".to_string(),
             NeverTouch::OneBody => "no joint moves between them".to_string(),
+            NeverTouch::OneDistance => {
+                "they turn about their own axes on one link, which keeps their distance".to_string()
+            }
             NeverTouch::Neighbours => "one joint joins them".to_string(),
             NeverTouch::Locked => "locked joints hold them together, or leave one joint between them".to_string(),
             NeverTouch::Overlap => "they overlap where all joints are at zero, and at the start".to_string(),
@@ -40,6 +45,7 @@ impl NeverTouch {
             NeverTouch::Ignored(_) => "ignored",
             NeverTouch::OutOfReach => "out_of_reach",
             NeverTouch::OneBody => "one_body",
+            NeverTouch::OneDistance => "one_distance",
             NeverTouch::Neighbours => "neighbours",
             NeverTouch::Locked => "locked",
             NeverTouch::Overlap => "overlap",

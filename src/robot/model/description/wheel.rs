@@ -20,7 +20,7 @@ use nalgebra::{Rotation3, Translation3, Vector3};
 const TILT: f64 = 1e-3;
 /// The largest distance of the centre from the axis, as a part of the radius.
 const BESIDE: f64 = 1e-6;
-/// Shapes that move by less than this part of their size stay where they are: compositions of frames round by as much.
+/// Shapes that move by less than this part of their size are on their axes and stay where they are: compositions of frames round by as much.
 const NOTHING: f64 = 1e-13;
 
 /// A shape that was turned onto the axis of its joint.
@@ -46,26 +46,59 @@ fn round(shape: &Shape) -> Option<(f64, f64)> {
     }
 }
 
-/// Turns all wheels onto the axes of their joints; says which, and where the files put them.
-pub(crate) fn turned_onto_axes(mechanism: &Mechanism, colliders: &mut [Collider]) -> Vec<Wheel> {
-    let mut wheels = Vec::new();
-    for (number, collider) in colliders.iter_mut().enumerate() {
-        let (Some(body), Some((radius, farthest))) = (collider.body, round(&collider.shape)) else { continue };
-        let joint = &mechanism.bodies[body].joint;
+/// How a shape of revolution lies on the axis of the hinge of its body.
+struct Mounting {
+    /// The axis a of the hinge, and the angle from the axis of the shape to it (rad).
+    axis: Vector3<f64>,
+    across: Vector3<f64>,
+    angle: f64,
+    /// From the axis to the centre (m).
+    beside: Vector3<f64>,
+    radius: f64,
+    farthest: f64,
+}
+
+impl Mounting {
+    /// Of a collider; `None` for other shapes, and where no hinge carries the body.
+    fn of(mechanism: &Mechanism, collider: &Collider) -> Option<Self> {
+        let (radius, farthest) = round(&collider.shape)?;
+        let joint = &mechanism.bodies[collider.body?].joint;
         if joint.kind != JointKind::Revolute {
-            continue;
+            return None;
         }
-        let written = collider.pose;
         let axis: Vector3<f64> = joint.on_child.rotation.matrix().column(2).into();
-        let own: Vector3<f64> = written.rotation.matrix().column(2).into();
+        let own: Vector3<f64> = collider.pose.rotation.matrix().column(2).into();
         let axis = if own.dot(&axis) < 0.0 { -axis } else { axis };
         let across = own.cross(&axis);
         // A ball is turned onto any axis as it is.
         let is_ball = matches!(collider.shape, Shape::Sphere { .. });
         let angle = if is_ball { 0.0 } else { across.norm().atan2(own.dot(&axis)) };
-        let arm = written.translation.vector - joint.on_child.translation.vector;
-        let beside = arm - axis * axis.dot(&arm);
-        let moved = 2.0 * (0.5 * angle).sin() * farthest + beside.norm();
+        let arm = collider.pose.translation.vector - joint.on_child.translation.vector;
+        Some(Mounting { axis, across, angle, beside: arm - axis * axis.dot(&arm), radius, farthest })
+    }
+
+    /// The most that a point of the surface moves if the shape is turned onto the axis (m).
+    fn moved(&self) -> f64 {
+        2.0 * (0.5 * self.angle).sin() * self.farthest + self.beside.norm()
+    }
+}
+
+/// The body against which a shape on another one never moves: what its body hangs on, if the shape turns about its own axis.
+pub(crate) fn rigid_with(mechanism: &Mechanism, collider: &Collider) -> Option<usize> {
+    let turns = |mounting: Mounting| mounting.moved() <= NOTHING * mounting.farthest;
+    match collider.body {
+        Some(body) if Mounting::of(mechanism, collider).is_some_and(turns) => mechanism.bodies[body].parent,
+        own => own,
+    }
+}
+
+/// Turns all wheels onto the axes of their joints; says which, and where the files put them.
+pub(crate) fn turned_onto_axes(mechanism: &Mechanism, colliders: &mut [Collider]) -> Vec<Wheel> {
+    let mut wheels = Vec::new();
+    for (number, collider) in colliders.iter_mut().enumerate() {
+        let Some(mounting) = Mounting::of(mechanism, collider) else { continue };
+        let (written, moved) = (collider.pose, mounting.moved());
+        let Mounting { axis, across, angle, beside, radius, farthest } = mounting;
         if angle > TILT || beside.norm() > BESIDE * radius || moved <= NOTHING * farthest {
             continue;
         }
@@ -161,5 +194,21 @@ mod tests {
         assert!((wheels[0].moved - 1e-8).abs() < 1e-16, "{:?}", wheels[0]);
         assert!(colliders[0].pose.translation.z.abs() < 1e-16, "{}", colliders[0].pose);
         assert_eq!(colliders[0].pose.rotation, rotation);
+    }
+
+    #[test]
+    fn a_shape_is_rigid_with_what_its_body_turns_on_if_it_turns_about_its_own_axis() {
+        let mut mechanism = on_joint(JointKind::Revolute);
+        let rigid = |mechanism: &Mechanism, shape, roll, beside| rigid_with(mechanism, &placed(shape, roll, beside));
+        let ball = || Shape::Sphere { radius: 0.3 };
+        assert_eq!(rigid(&mechanism, ball(), 0.7, 0.0), None);
+        assert_eq!(rigid(&mechanism, CYLINDER, FRAC_PI_2, 0.0), None);
+        for (shape, roll, beside) in
+            [(ball(), 0.7, 1e-9), (CYLINDER, 0.7, 0.0), (Shape::Box { half: Vector3::repeat(0.3) }, FRAC_PI_2, 0.0)]
+        {
+            assert_eq!(rigid(&mechanism, shape, roll, beside), Some(0));
+        }
+        mechanism = on_joint(JointKind::Spherical);
+        assert_eq!(rigid(&mechanism, ball(), 0.7, 0.0), Some(0));
     }
 }
