@@ -50,7 +50,7 @@ pub(crate) fn proximal_points(
     let mut rates = Vec::new();
     let tolerance = effort.residual;
     let (mut halved, mut since) = (residual, first);
-    // A problem is work even if its impulses are those of the last.
+    // A problem is work even if its impulses equal the last ones.
     let mut problems = 0;
     while residual > tolerance && room.iterations - first + problems < most && failed < FAILURES * STIFFER.len() {
         problems += 1;

@@ -229,7 +229,7 @@ impl Contacts {
         all.filter(move |(_, candidate)| keeps(candidate)).map(|(number, candidate)| (number, candidate.sides))
     }
 
-    /// Fills the rows of the candidates from a number on, with trees that are placed in the same state. A contact along whose normal nothing moves, as between
+    /// Fills the rows of the candidates from a number on, with trees that are placed in the same state. A contact along whose normal no freedom moves, as between
     /// wheels whose axles are held apart, is no candidate: no impulse changes its rate, and any would do.
     pub fn fill_rows(&mut self, scene: Scene, asleep: &Asleep, trees: &Trees, bodies: &[BodyState], first: usize) {
         if first == 0 {

@@ -31,7 +31,7 @@ impl Contacts {
     }
 
     /// Adds the contacts that did not press before an event and still touch: if one of them opens because it does not press either, the others stay open.
-    /// Those of pairs that return or are looked at anew are decided with the others.
+    /// Contacts of pairs that return or are looked at anew are decided with the others.
     pub(super) fn take_unpressed(&mut self, scene: &Scene, before: &Mode, found: &Found, bodies: &[BodyState]) {
         if found.anew {
             return;
