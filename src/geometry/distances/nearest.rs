@@ -346,7 +346,7 @@ mod tests {
         let (mut near, mut far) = (0, 0);
         for _ in 0..400 {
             let pose = numbers.pose(0.6);
-            let mut known = |offset: Vector3<f64>| {
+            let known = |offset: Vector3<f64>| {
                 // An obstacle is in the frame of the world.
                 let (obstacle, body) = (boxes([0.3, 0.2, 0.1], offset), boxes([0.1, 0.06, 0.08], Vector3::zeros()));
                 let (rotation, translation) = (*pose.rotation.matrix(), pose.translation.vector + offset);

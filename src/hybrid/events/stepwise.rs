@@ -167,8 +167,8 @@ impl Eventful {
         before.total() + work - energy(&self.model.whole, end).total()
     }
 
-    /// The exchange of a step with this work of motors and loads that has lost this energy (J). Joints that are moved in time do work that nothing but the
-    /// balance tells: what the step gains is theirs.
+    /// The exchange of a step with this work of motors and loads that has lost this energy (J). Joints that are moved in time do work that the
+    /// balance alone tells: what the step gains is theirs.
     pub(super) fn exchange_of_balance(&self, work: f64, lost: f64) -> Exchange {
         let given = if self.model.whole.moves_joints() { (-lost).max(0.0) } else { 0.0 };
         Exchange { work: work + given, impacts: lost + given, ..Exchange::default() }

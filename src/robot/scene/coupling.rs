@@ -88,7 +88,7 @@ pub struct SceneRope {
     pub length: f64,
     /// The joint whose position is the length that is paid out, if that changes in time. The rope then begins at its end, behind its first point.
     pub winch: Option<JointReference>,
-    /// Neighbours on different bodies stay this far apart at least (m), if the rope goes through several points; zero if nothing stops them.
+    /// Neighbours on different bodies stay this far apart at least (m), if the rope goes through several points; zero without a stop.
     pub stop: f64,
     /// e of the blow with which it goes taut, 0 to 1, and of those at its stops.
     pub restitution: f64,

@@ -44,7 +44,7 @@ pub(crate) fn blocked(
     let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(before)).collect();
     let fastest = rates.iter().fold(0.0, |most: f64, rate| most.max(-rate));
     let kinetic = energy(scene.whole, &State { velocity: before.to_vec(), ..after.clone() }).kinetic;
-    // NaN is nothing allowed: nothing has answered.
+    // NaN is not allowed: no row has answered.
     let parts = |meeting: &Meeting| meeting.rate(&after.velocity) >= -meeting.rest.max(MISSED * fastest);
     let is_tame = |(impulse, rate): (&f64, &f64)| (impulse * rate).abs() <= WILD * kinetic;
     let all_part = meetings.iter().all(parts);

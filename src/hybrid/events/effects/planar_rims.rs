@@ -78,7 +78,7 @@ pub(crate) fn touching_point(
 }
 
 /// The same for a rim at rest that begins to tilt with accelerations of all bodies. A wheel that stands begins to roll, which leaves the plane, and one
-/// on which nothing acts stays a rim. Speeds up to `rest` [m/s] are zero, and accelerations of roundings of the `largest` one [m/s²].
+/// on which no force acts stays a rim. Speeds up to `rest` [m/s] are zero, and accelerations of roundings of the `largest` one [m/s²].
 pub(crate) fn point_that_begins(
     touching: &Touching,
     contact: &Contact,

@@ -61,7 +61,7 @@ impl Reserves {
         Reserves { roots, ..Reserves::default() }
     }
 
-    /// Takes these pairs, whose numbers ascend, instead of those before; of new ones nothing is known.
+    /// Takes these pairs, whose numbers ascend, instead of those before; new ones are unknown.
     pub fn take(&mut self, near: &[usize], all: &Pairs) {
         if self.pairs.iter().map(|(pair, _)| pair).eq(near.iter().copied()) {
             return;

@@ -180,7 +180,7 @@ fn blocks(rows: &[Row], count: usize) -> Vec<(Vec<usize>, Vec<usize>)> {
         blocks[number[head]].0.push(freedom);
     }
     for (index, row) in rows.iter().enumerate() {
-        // A row without freedoms constrains none of them, and stays implied.
+        // A row without freedoms stays implied.
         if let Some(&(freedom, _)) = row.entries.first() {
             blocks[number[first(&mut earlier, freedom)]].1.push(index);
         }

@@ -14,7 +14,7 @@ use crate::scene::robot::{Geometry, MeshFile, Pose, Surface};
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 use std::path::Path;
 
-/// Density of a geom that says none [kg/m³].
+/// Density of a geom by default [kg/m³].
 const DENSITY: f64 = 1000.0;
 
 /// Groups above this one are not shown.

@@ -21,7 +21,7 @@ use std::collections::HashSet;
 /// Friction of a geom that says none: μ, σ (m), ρ (m).
 const FRICTION: [f64; 3] = [1.0, 0.005, 0.0001];
 
-/// Ways of slipping that a geom resists which says none.
+/// Ways of slipping that a geom resists by default.
 const CONDIM: f64 = 3.0;
 
 /// The friction of a geom, or of several as one.

@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Gravity where the file says none [m/s²].
+/// Gravity where the file is silent [m/s²].
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 
 /// What is read of an MJCF file, so far.

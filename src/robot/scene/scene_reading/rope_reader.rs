@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use std::ops::Range;
 use toml::Spanned;
 
-/// The stop of a rope that is given none, as a part of its length.
+/// The stop of a rope by default, as a part of its length.
 const STOP: f64 = 1e-3;
 
 /// The ropes of a scene, with their winches and the motions of these.

@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn energy_that_an_impact_gives_is_an_error_of_the_balance_and_what_it_takes_or_a_belt_gives_is_none() {
+    fn energy_that_an_impact_gives_is_an_error_of_the_balance_and_what_it_takes_or_a_belt_gives_is_not() {
         // From 1 J to 4 J, or to 0.25 J.
         let of_impacts = |impacts: f64| Exchange { impacts, ..Exchange::default() };
         assert_eq!(error_behind(2.0, of_impacts(-3.0)), 3.0);

@@ -196,7 +196,7 @@ fn a_contact_with_fewer_freedoms_than_rows_gets_impulses_of_the_size_of_the_mome
 
 #[test]
 fn what_is_not_touched_by_colliding_bodies_changes_no_digit_of_their_impact() {
-    // Two boxes that collide on a floor, without restitution; beside them a ball that lies on the floor, with a restitution or none.
+    // Two boxes that collide on a floor, without restitution; beside them a ball that lies on the floor, with and without restitution.
     let collision = |beside: Option<f64>| {
         let mut boxes: Vec<Body> = [0.0, 0.2].map(|x| Body::cuboid(1.0, [0.1; 3], Vector3::new(x, 0.0, 0.1))).into();
         boxes[0].velocity = Vector3::new(1.0, 0.2, 0.0);
