@@ -13,6 +13,7 @@ mod runs;
 mod sensitivity;
 mod sensitivity_close_events;
 mod sensitivity_contacts;
+mod sensitivity_corners;
 mod sensitivity_events;
 mod sensitivity_frames;
 mod sensitivity_gradient;

@@ -57,20 +57,22 @@ impl Walk<'_> {
         laws: &Laws<T>,
     ) -> Result<Vec<ClosedTouch<T>>, SensitivityError> {
         let closed = traced.mode.contacts.iter().filter(|closed| !traced.mode.is_anchored(closed));
-        let lost = |pair: usize| SensitivityError::Closed { time: self.state.time, contact: self.names("and", pair) };
         let touch = |closed: &Closed| {
-            let pair = closed.contact.pair;
-            let touch = self.touch(&closed.contact, laws).ok_or_else(|| lost(pair))?;
+            let touch = self.touch(&closed.contact, laws).ok_or_else(|| self.lost(closed))?;
             let friction = match closed.slides {
                 Some(direction) => {
                     let direction = Vector::of(&direction);
-                    Friction::Slides { coefficient: laws.pairs[pair].friction, direction }
+                    Friction::Slides { coefficient: laws.pairs[closed.contact.pair].friction, direction }
                 }
                 None => Friction::Rolls,
             };
             Ok(ClosedTouch { touch, friction })
         };
         closed.map(touch).collect()
+    }
+
+    fn lost(&self, closed: &Closed) -> SensitivityError {
+        SensitivityError::Closed { time: self.state.time, contact: self.names("and", closed.contact.pair) }
     }
 
     /// The directions of the slips of all closed contacts where the state is now, and the given ones of contacts that do not slip.
@@ -137,7 +139,8 @@ impl Walk<'_> {
     ) -> Result<Vec<ClosedContacts<Part>>, SensitivityError> {
         let n = self.state.velocity.len();
         self.anchored.retain(|(known, _)| mode.closed.anchors.iter().any(|anchor| same(anchor, known)));
-        for anchor in &mode.closed.anchors {
+        let corners = traced.mode.contacts.iter().filter(|closed| traced.mode.is_anchored(closed));
+        for (anchor, corner) in mode.closed.anchors.iter().zip(corners) {
             if self.anchored.iter().any(|(known, _)| same(anchor, known)) {
                 continue;
             }
@@ -148,6 +151,9 @@ impl Walk<'_> {
                 let at = Instant { figures, state: &self.state, offsets: &offsets, closed: &none };
                 let placed = at.at_rest();
                 let mut joint: LoopFigures<Part> = lifted(anchor);
+                // The corner moves on its body with the sizes and the place of its collider.
+                let moves = self.touch(&corner.contact, &figures.laws).ok_or_else(|| self.lost(corner))?.b.frame.origin;
+                joint.b.frame.origin = joint.b.frame.origin + moves - moves.map(|entry| Part::of(entry.value));
                 let corner = end_frame(&joint.b, &placed).origin;
                 joint.a.frame.origin = match joint.a.body {
                     None => corner,
@@ -156,9 +162,9 @@ impl Walk<'_> {
                         frame.axes.transpose().apply(corner - frame.origin)
                     }
                 };
-                joint
+                Ok(joint)
             });
-            let varied = varied.collect();
+            let varied = varied.collect::<Result<_, SensitivityError>>()?;
             self.anchored.push((anchor.clone(), varied));
         }
         let of = |(chunk, figures): (usize, &BothFigures<Part>)| {

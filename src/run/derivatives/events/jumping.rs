@@ -7,6 +7,7 @@ use crate::derivatives::events::instant::Instant;
 use crate::derivatives::events::limit_impact::{LimitImpact, is_on_limits};
 use crate::derivatives::events::meet::Met;
 use crate::derivatives::events::struck::{Answer, BlockState, struck};
+use crate::derivatives::events::together::one_after_the_other;
 use crate::derivatives::events::walk::{Subject, Walk, fastest};
 use crate::derivatives::forward::failure::SensitivityError;
 use crate::derivatives::forward::step::{Part, StepMode, WIDTH};
@@ -47,6 +48,7 @@ impl Walk<'_> {
         if !jump.meetings.iter().any(|meeting| meeting.rate(&jump.before.velocity) < -meeting.rest) {
             return Ok(());
         }
+        self.see_apart(jump);
         let lost = || SensitivityError::Impact { time: jump.before.time };
         let (restitution, slow) = self.without_low_rebounds(jump).ok_or_else(lost)?;
         let before = self.state.velocity.iter().zip(&jump.before.velocity).map(|(own, of_run)| own - of_run);
@@ -226,9 +228,7 @@ impl Walk<'_> {
             let (after, lacking) = impact.after(&before, &found).ok_or_else(lost)?;
             // Laws of redundant contacts that lack less agree with each other.
             for (column, _) in (first..tangent.ncols()).zip(lacking).filter(|(_, lacking)| *lacking > STAYS) {
-                let what =
-                    format!("contacts that strike together at {:.6} s strike one after the other", self.state.time);
-                self.validity.none(column, &what);
+                self.validity.none(column, &one_after_the_other(self.state.time));
             }
             for (row, part) in after.iter().enumerate() {
                 (first..tangent.ncols().min(first + WIDTH))

@@ -20,6 +20,7 @@ mod solving;
 mod starting;
 mod struck;
 mod ticks;
+mod together;
 pub mod validity;
 pub mod walk;
 pub mod watched;

@@ -1,0 +1,67 @@
+//! Limits and contacts that strike in one impact, and strike one after the other where a parameter moves one of them on its way.
+//!
+//! ```text
+//!     φ_k = 0 at the impact t*(θ),  φ̇_k < 0          dφ_k/dθ = ∂φ_k/∂θ + ∂φ_k/∂q dq/dθ,  dq/dθ at t*(θ)
+//! ```
+//!
+//! The gap that ends the step has dφ/dθ = 0. Another one with dφ_k/dθ ≠ 0 closes before it or behind it, by the sign of δθ: the impact of both is
+//! the motion of no δθ but zero, and its derivatives hold within nothing.
+
+use crate::derivatives::equations::closed::ClosedContacts;
+use crate::derivatives::events::closing::STAYS;
+use crate::derivatives::events::instant::Instant;
+use crate::derivatives::events::walk::Walk;
+use crate::derivatives::forward::stage_equations::BothFigures;
+use crate::derivatives::forward::step::{Part, WIDTH};
+use crate::derivatives::forward::tangent::with;
+use crate::events::trace::TracedJump;
+use crate::instant::holding::blocks::Of;
+use crate::mechanism::motion::event::Side;
+
+/// What is said of an impact at this time (s).
+pub(super) fn one_after_the_other(time: f64) -> String {
+    format!("contacts that strike together at {time:.6} s strike one after the other")
+}
+
+impl Walk<'_> {
+    /// Tells of parameters that take what strikes together apart.
+    pub(super) fn see_apart(&mut self, jump: &TracedJump) {
+        let strike = jump.meetings.iter().filter(|meeting| meeting.rate(&jump.before.velocity) < -meeting.rest);
+        if !self.tells || strike.count() < 2 {
+            return;
+        }
+        let what = one_after_the_other(self.state.time);
+        let (n, p) = self.tangent.positions.shape();
+        for first in (0..p).step_by(WIDTH) {
+            let offsets: Vec<Part> = (0..n).map(|row| with(0.0, &self.tangent.positions, row, first)).collect();
+            let gaps = self.gaps_of(jump, &self.varied.chunks()[first / WIDTH], &offsets);
+            for column in first..p.min(first + WIDTH) {
+                // Gaps have the roundings of the derivatives of places.
+                let stays = STAYS * self.tangent.positions.column(column).amax().max(1.0);
+                if gaps.iter().any(|gap| gap.parts[column - first].abs() > stays) {
+                    self.validity.none(column, &what);
+                }
+            }
+        }
+    }
+
+    /// The gaps of what strikes, with their derivatives (rad or m).
+    fn gaps_of(&self, jump: &TracedJump, figures: &BothFigures<Part>, offsets: &[Part]) -> Vec<Part> {
+        let at = Instant { figures, state: &self.state, offsets, closed: &ClosedContacts::default() };
+        let placed = at.at_rest();
+        let strike = jump.meetings.iter().filter(|meeting| meeting.rate(&jump.before.velocity) < -meeting.rest);
+        let gap = |of: Of| match of {
+            Of::Contact(index) => Some(self.touch(jump.contacts.get(index)?, &figures.laws)?.at(&placed).gap),
+            Of::Joint(index) => {
+                let (joint, law) = (&self.subject.elements.joints[index], &figures.laws.joints[index]);
+                let bound = match joint.side(joint.position(&jump.before))? {
+                    Side::Lower => law.lower,
+                    Side::Upper => law.upper,
+                };
+                Some(offsets[joint.coordinate.freedom] - bound)
+            }
+            Of::Moment { .. } => None,
+        };
+        strike.filter_map(|meeting| gap(meeting.block.of)).collect()
+    }
+}
