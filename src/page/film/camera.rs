@@ -11,7 +11,7 @@
 use nalgebra::Vector3;
 use std::str::FromStr;
 
-/// The vertical angle of view (rad), that of the page.
+/// The vertical angle of view (rad), as on the page.
 const ANGLE: f64 = 35.0 * std::f64::consts::PI / 180.0;
 
 /// The side from which a film is seen: the direction from the robot to the camera.

@@ -32,7 +32,7 @@ pub struct SceneBody {
 /// How heavy a body is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Weight {
-    /// By its density [kg/m³].
+    /// Its density [kg/m³].
     Density(f64),
     /// By its mass (kg).
     Mass(f64),

@@ -117,7 +117,7 @@ impl<'w> LongPaths<'w> {
         LongPaths { files: warnings.iter().map(|warning| warning.file.as_path()).collect(), said: BTreeSet::new() }
     }
 
-    /// What to call a file.
+    /// The name of a file.
     fn said(&mut self, file: &'w Path) -> &'w Path {
         let name = Path::new(file.file_name().unwrap_or(file.as_os_str()));
         let is_one_of_several = self.files.iter().any(|other| *other != file && other.file_name() == file.file_name());

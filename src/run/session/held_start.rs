@@ -66,7 +66,7 @@ impl Hold {
     }
 }
 
-/// The motors of a run from this state, if they differ from the motors of the model. Those with a known target hold their joints there, with these gains
+/// The motors of a run from this state, if they differ from the motors of the model. Motors with a known target hold their joints there, with these gains
 /// where none are given: the run before has done so.
 pub(crate) fn motors_from(model: &Model, start: &State, known: &HeldTargets) -> Option<Vec<Motor>> {
     if model.at_start.is_empty() {

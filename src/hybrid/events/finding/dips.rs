@@ -57,7 +57,7 @@ fn halve(
     value: &mut impl FnMut(f64) -> f64,
 ) -> Option<f64> {
     let length = end - start;
-    // Infinite values are those of functions that are not looked at.
+    // Functions that are not looked at have infinite values.
     if halvings == 0 || !(bend * length.powi(2) > zero && bend.is_finite()) {
         return None;
     }

@@ -3,7 +3,7 @@
 /// A motor whose target is the position of its joint at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtStart {
-    /// The motor, among those of the mechanism.
+    /// The motor, by its number in the mechanism.
     pub motor: usize,
     /// Natural frequency (rad/s) from which its gains follow; `None` where they are given.
     pub frequency: Option<f64>,

@@ -82,7 +82,7 @@ impl Field {
         let (rows, columns) = (*rows, *columns);
         let at = |index: usize, count: usize| 2.0 * index as f64 / (count - 1) as f64 - 1.0;
         let mut text = String::new();
-        // Writing into a String cannot fail. Corners above, and those of the edge below them.
+        // Writing into a String cannot fail. Corners above, and the edge below them.
         for (index, height) in heights.iter().enumerate() {
             let (row, column) = (index / columns, index % columns);
             let _ = writeln!(text, "v {:?} {:?} {height:?}", x * at(column, columns), y * at(row, rows));

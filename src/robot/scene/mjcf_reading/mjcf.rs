@@ -41,7 +41,7 @@ pub fn read_mjcf(path: &Path, text: &str, keyframe: Option<&str>, packages: &Pac
     let mut made = Made { urdfs: urdfs.into_iter(), files, packages };
     let placed = |error: SceneError| match error.file.is_file() && error.file != path {
         true => error,
-        // Lines are those of what was made.
+        // Lines belong to the copies.
         false => SceneError { file: path.to_path_buf(), line: None, ..error },
     };
     let mut scene = scene_from_text(&toml, path, &mut made).map_err(placed)?;
@@ -172,7 +172,7 @@ impl Reader<'_> {
                 | "damper" => {
                     self.odd(flag, format!("{name}={value:?} is not read; --without leaves parts out"));
                 }
-                // Of the solver of MuJoCo.
+                // Numbers for the solver of MuJoCo.
                 _ => {}
             }
         }

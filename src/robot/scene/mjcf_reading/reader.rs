@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Gravity where the file is silent [m/s²].
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 
-/// What is read of an MJCF file, so far.
+/// The content of an MJCF file, so far.
 pub(crate) struct Reader<'r> {
     pub path: &'r Path,
     pub folder: PathBuf,

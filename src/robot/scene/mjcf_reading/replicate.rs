@@ -20,7 +20,7 @@ const MOST: f64 = 1e6;
 /// Sections whose elements name parts of bodies; those that others name come first.
 const SECTIONS: [&str; 4] = ["tendon", "equality", "contact", "actuator"];
 
-/// What was copied: the kind and name of each part, and the ends of the names of the copies.
+/// The copied parts: the kind and name of each part, and the ends of the names of the copies.
 struct Copied {
     names: HashSet<(String, String)>,
     ends: Vec<String>,

@@ -333,7 +333,7 @@ pub(crate) enum SpringNumber {
 pub(crate) enum ShapeNumber {
     Radius,
     Length,
-    /// Of an ellipsoid, along an axis.
+    /// A radius of an ellipsoid, along an axis.
     Radii(usize),
     /// Along an axis.
     Size(usize),

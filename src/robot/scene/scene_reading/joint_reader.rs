@@ -14,7 +14,7 @@ use toml::Spanned;
 
 /// A joint that a table drives.
 struct Driven {
-    /// The table, by its place among those of motors.
+    /// The table, by its place among the motors.
     table: usize,
     joint: JointReference,
     /// Its name, as written; whole where a pattern names it.

@@ -23,7 +23,7 @@ const OF_GAZEBO: [&str; 3] = ["mu", "mu1", "mu2"];
 /// Elements within links that say friction.
 const OF_LINK: [&str; 2] = ["contact_coefficients", "lateral_friction"];
 
-/// What sets it instead.
+/// The key that sets it instead.
 const INSTEAD: &str = "`friction` of a [[link]] in a scene file, or --set link.NAME.friction=MU, sets it";
 
 /// The parts that are not read of an element that says friction: each part, how it is written, and the name of the element around it. `None` if the

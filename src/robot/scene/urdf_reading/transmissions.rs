@@ -22,7 +22,7 @@ use roxmltree::Node;
 const INERTIAS: [&str; 3] = ["rotorInertia", "motorInertia", "rotor_inertia"];
 const RATIOS: [&str; 2] = ["mechanicalReduction", "gear_ratio"];
 
-/// What sets it instead.
+/// The key that sets it instead.
 const INSTEAD: &str = "`armature` of a [[joint]] in a scene file, or --set joint.NAME.armature=A, sets it";
 
 /// Whether an element says the inertia of a rotor, so that it is not ignored.

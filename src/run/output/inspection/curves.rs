@@ -5,7 +5,7 @@
 //!                                                      T the kinetic energy of all steps in the log
 //! ```
 //!
-//! Of the two quaternions of an orientation, q and −q, the one nearer to that of the sample before is drawn; logs and tables have those with w ≥ 0.
+//! An orientation has the quaternions q and −q. The one nearer to the sample before is drawn; logs and tables have w ≥ 0.
 //!
 //! Events are thin ticks that stand on the axis of time.
 //!
