@@ -1,11 +1,11 @@
-//! Limits and contacts that strike in one impact, and strike one after the other where a parameter moves one of them on its way.
+//! Limits and contacts that strike in one impact, and one after the other as soon as a parameter changes.
 //!
 //! ```text
 //!     φ_k = 0 at the impact t*(θ),  φ̇_k < 0          dφ_k/dθ = ∂φ_k/∂θ + ∂φ_k/∂q dq/dθ,  dq/dθ at t*(θ)
 //! ```
 //!
-//! The gap that ends the step has dφ/dθ = 0. Another one with dφ_k/dθ ≠ 0 closes before it or behind it, by the sign of δθ: the impact of both is
-//! the motion of no δθ but zero, and its derivatives hold within nothing.
+//! The gap that ends the step has dφ/dθ = 0. Another one with dφ_k/dθ ≠ 0 closes earlier or later, by the sign of δθ. Both strike at once for δθ = 0
+//! alone, so that the derivatives are valid within 0.
 
 use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::events::closing::STAYS;
@@ -18,13 +18,13 @@ use crate::events::trace::TracedJump;
 use crate::instant::holding::blocks::Of;
 use crate::mechanism::motion::event::Side;
 
-/// What is said of an impact at this time (s).
+/// The cause in words, for an impact at this time (s).
 pub(super) fn one_after_the_other(time: f64) -> String {
     format!("contacts that strike together at {time:.6} s strike one after the other")
 }
 
 impl Walk<'_> {
-    /// Tells of parameters that take what strikes together apart.
+    /// Tells of parameters by which contacts and limits strike one after the other.
     pub(super) fn see_apart(&mut self, jump: &TracedJump) {
         let strike = jump.meetings.iter().filter(|meeting| meeting.rate(&jump.before.velocity) < -meeting.rest);
         if !self.tells || strike.count() < 2 {
@@ -45,7 +45,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The gaps of what strikes, with their derivatives (rad or m).
+    /// The gaps that close in the impact, with their derivatives (rad or m).
     fn gaps_of(&self, jump: &TracedJump, figures: &BothFigures<Part>, offsets: &[Part]) -> Vec<Part> {
         let at = Instant { figures, state: &self.state, offsets, closed: &ClosedContacts::default() };
         let placed = at.at_rest();

@@ -3,7 +3,7 @@
 //! ```text
 //!     two events change their order     |δθ| = |t₂ − t₁| / |∂t₂/∂θ − ∂t₁/∂θ|
 //!     an event is missed (grazing)      |δθ| = |φ̇| / (2 |φ̈| |∂t/∂θ|)               φ̈ of gaps at the event, of other functions over its step
-//!     two of an impact part company     0                                           φ of one has a derivative at the impact of both
+//!     impacts at once come apart        |δθ| = 0                                    φ of one has a derivative at the impact of both
 //!     a limit is met that was missed    |δθ| = φ / |∂φ/∂θ|                          where a joint turns back before it
 //!     a slip starts the other way       |δθ| = |r| / |∂r/∂θ|                        its rate r at the start; zero from rest, and one side is told
 //! ```
