@@ -50,16 +50,16 @@ pub(crate) fn proximal_points(
     let mut rates = Vec::new();
     let tolerance = effort.residual;
     let (mut halved, mut since) = (residual, first);
-    // A problem is work even if its impulses equal the last ones.
-    let mut problems = 0;
-    while residual > tolerance && room.iterations - first + problems < most && failed < FAILURES * STIFFER.len() {
-        problems += 1;
+    // Problems that take no iteration, as where the residual is not finite, are work, too.
+    let mut idle = 0;
+    while residual > tolerance && room.iterations - first + idle < most && failed < FAILURES * STIFFER.len() {
         let stiffer = STIFFER[failed % STIFFER.len()];
         room.centre = Some(Centre { proximal, stiffer, impulses: here.clone() });
         let (mut near, before) = (here.clone(), room.iterations);
         let within = (INNER[0] * last).max(INNER[1] * tolerance);
         let inner = newton(problem, &mut near, v, [within, MOST], room);
         room.centre = None;
+        idle += usize::from(room.iterations == before);
         problem.rates(v, &near, &mut rates);
         let found = problem.merit(&near, &rates).residual;
         if found < residual {

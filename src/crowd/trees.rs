@@ -26,10 +26,6 @@ const ROUNDS: usize = 8;
 /// A change that is no smaller than half the last one, and below this, is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// An entry of a row that is this part of the terms that cancel in it is rounding; only entries below the second bound are held against them, which few are.
-const CANCELLED: f64 = 1e-14;
-const SUSPECT: f64 = 1e-10;
-
 /// All trees.
 #[derive(Clone)]
 pub struct Trees {
@@ -290,14 +286,10 @@ impl Trees {
         along: &Vector3<f64>,
     ) -> impl Iterator<Item = f64> + use<'t> {
         let tree = &self.trees[self.of_body[body]];
-        let (arm, along) = (point - tree.root, *along);
-        let (torque, size) = (arm.cross(&along), arm.norm() + point.norm());
+        let (torque, along) = ((point - tree.root).cross(along), *along);
         self.paths[body].iter().map(move |&freedom| {
             let (linear, turn) = &self.motions[tree.all[freedom]];
-            let entry = linear.dot(&along) + turn.dot(&torque);
-            // A point on an axis does not move with it.
-            let is_rounding = || entry.abs() <= CANCELLED * (linear.norm() + turn.norm() * size);
-            if entry.abs() < SUSPECT && is_rounding() { 0.0 } else { entry }
+            linear.dot(&along) + turn.dot(&torque)
         })
     }
 }

@@ -63,7 +63,7 @@ impl<'a> Best<'a> {
     pub fn is_exact(&self) -> bool {
         let dense = self.both.a.is_dense() || self.both.b.is_dense();
         let part = if dense { ROUNDING_OF_SMALL } else { ROUNDING };
-        let rounding = part * self.both.size() + f64::EPSILON * self.both.farthest();
+        let rounding = (part * self.both.size()).max(f64::EPSILON * self.both.farthest());
         self.found.is_some_and(|found| self.error(&found) <= rounding)
     }
 

@@ -11,7 +11,7 @@ use crate::instant::holding::touching::Touching;
 use crate::mechanism::description::closure::{Coordinate, JointLimit};
 use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
 use crate::mechanism::description::course::Course;
-use crate::mechanism::description::forces::LinkLoad;
+use crate::mechanism::description::forces::{JointDamper, LinkLoad};
 use crate::mechanism::description::joint::{Joint, JointKind, Pose};
 use crate::mechanism::description::mechanism::{Body, Mechanism};
 use crate::mechanism::description::rules::Rule;
@@ -99,16 +99,20 @@ fn run(mechanism: &Mechanism, state: &mut State, step: f64, end: f64, mut see: i
 }
 
 #[test]
-fn friction_takes_no_more_than_a_step_loses_and_impacts_give_nothing_back() {
-    let (mechanism, mut state) = pile(2);
-    let (mut friction, mut impacts) = (0.0, 0.0);
-    run(&mechanism, &mut state, 2e-3, 1.0, |made, _, _| {
-        let lost = made.lost - made.dissipated - made.friction;
-        // Of some 40 J, in roundings.
-        assert!(lost >= -1e-12, "{lost:e} of {:e}", made.lost);
-        (friction, impacts) = (friction + made.friction, impacts + lost);
-    });
-    assert!(friction > 1e-2 && impacts > 1.0, "{friction} {impacts}");
+fn friction_and_dampers_take_no_more_than_a_step_loses_and_impacts_give_nothing_back() {
+    for coefficient in [0.0, 30.0] {
+        let (mut mechanism, mut state) = pile(2);
+        let damper = |freedom| JointDamper { freedom, coefficient };
+        mechanism.forces.joint_dampers = (0..mechanism.velocity_count).map(damper).collect();
+        let (mut friction, mut impacts) = (0.0, 0.0);
+        run(&mechanism, &mut state, 2e-3, 1.0, |made, _, _| {
+            let lost = made.lost - made.dissipated - made.friction;
+            // Of some 40 J, in roundings.
+            assert!(lost >= -1e-12 && made.friction >= 0.0, "{lost:e} of {:e}, {:e}", made.lost, made.friction);
+            (friction, impacts) = (friction + made.friction, impacts + lost);
+        });
+        assert!(friction > 1e-3 && impacts > 0.1, "{coefficient}: {friction} {impacts}");
+    }
 }
 
 /// Where a thrown box of 0.3 × 0.2 × 0.1 m is after 0.6 s: the run of a number, with steps of a length (s) or event by event.

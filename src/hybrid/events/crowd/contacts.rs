@@ -37,6 +37,8 @@ const LONGEST: f64 = 1e6;
 const ROUNDED: f64 = 1.0 + 1e-12;
 /// A limit is looked at from this rate on [rad/s or m/s].
 const LIMIT_RATE: f64 = 2.0;
+/// A normal does not move with a freedom whose lever is this short (m): a point on an axis, to roundings.
+const LEVER: f64 = 1e-13;
 
 /// The constant data of a scene.
 #[derive(Clone, Copy)]
@@ -239,7 +241,7 @@ impl Contacts {
         for number in first..self.list.len() {
             let mark = self.rows.mark();
             let sides = self.list[number].add_rows(&mut self.rows, scene, trees, bodies);
-            let moves = |side: &Side| self.rows.row(side, 0).1.iter().any(|entry| *entry != 0.0);
+            let moves = |side: &Side| self.rows.row(side, 0).1.iter().any(|entry| entry.abs() > LEVER);
             if self.list[number].contact.is_some() && !sides.iter().flatten().any(moves) {
                 self.rows.go_back(mark);
                 continue;

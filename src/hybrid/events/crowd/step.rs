@@ -269,8 +269,9 @@ impl Crowd {
         made.work = work.iter().sum();
         made.taken = self.energies.bound(&self.trees, whole, state, &self.bodies, &work, [&self.now, &self.next]);
         made.lost = self.energies.lost(whole, start, state, made.work);
-        // A slip that stops in the step is not the one in its middle: friction takes no more than is lost.
-        made.friction = found.friction.min((made.lost - made.dissipated).max(0.0));
+        // A slip that stops in the step is not the one in its middle, nor a rate that an impact stops: dampers and friction take no more than is lost.
+        made.dissipated = made.dissipated.min(made.lost.max(0.0));
+        made.friction = found.friction.clamp(0.0, (made.lost - made.dissipated).max(0.0));
         made.candidates = self.next.list.len();
         made.iterations = self.room.iterations - iterations;
         let rates = self.speeds.rates().to_vec();

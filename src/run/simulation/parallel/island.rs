@@ -206,7 +206,7 @@ impl<'a> IslandRun<'a> {
     /// Takes over the figures of its next step.
     pub(crate) fn take(&mut self, end: &StepEnd) {
         self.last = Knot::after(end);
-        self.given += given(&end.outcome.exchange, end.energy.kinetic);
+        self.given += given(&end.outcome.exchange, &end.energy);
         self.deviation = end.energy.total() - self.initial.total() + end.exchange.lost() + self.given;
         self.steps += 1;
         self.iterations += end.outcome.cost.iterations;

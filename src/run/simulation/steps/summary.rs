@@ -58,8 +58,10 @@ pub struct Summary {
 /// Kinetic energies below this part of the others belong to a robot at rest.
 const AT_REST: f64 = 1e-9;
 
-/// Energies below this part of the kinetic one, which dampers, friction and impacts seem to give in a step, are roundings.
+/// Energies below this part of the kinetic one, or below this part of what is stored, which dampers, friction and impacts seem to give in a step, are
+/// roundings.
 const GIVEN: f64 = 1e-12;
+const ROUNDED: f64 = 1e-13;
 
 /// Events of a run that are kept, the first ones.
 pub(crate) const KEPT_EVENTS: usize = 1000;
@@ -169,7 +171,7 @@ impl Bookkeeper {
         self.largest_kinetic = self.largest_kinetic.max(energy.kinetic + outcome.exchange.impacts.max(0.0));
         summary.largest_kinetic = self.largest_kinetic;
         summary.see_forces(mechanism, state, energy.spring);
-        self.given += given(&outcome.exchange, self.largest_kinetic);
+        self.given += given(&outcome.exchange, &Energy { kinetic: self.largest_kinetic, ..energy });
         let balance = energy.total() - summary.initial_energy.total() + exchange.lost() + self.given;
         self.largest_deviation = worse(self.largest_deviation, balance.abs());
         summary.max_energy_error = self.largest_deviation;
@@ -180,11 +182,13 @@ impl Bookkeeper {
     }
 }
 
-/// The energy that dampers, friction and impacts have given in a step of this exchange (J), beyond roundings of the kinetic energy (J). Each of them takes
+/// The energy that dampers, friction and impacts have given in a step of this exchange (J), beyond roundings of the energies there. Each of them takes
 /// energy, and belts and motors that move joints do work.
-pub(crate) fn given(exchange: &Exchange, kinetic: f64) -> f64 {
+pub(crate) fn given(exchange: &Exchange, energy: &Energy) -> f64 {
     let given = -(exchange.dissipated + exchange.friction + exchange.impacts);
-    if given > GIVEN * kinetic { given } else { 0.0 }
+    let rounding =
+        GIVEN * energy.kinetic + ROUNDED * (energy.potential.abs() + energy.spring.abs() + energy.load.abs());
+    if given > rounding { given } else { 0.0 }
 }
 
 /// The energy that motors have moved (J). They hold a robot with next to no motion: the balance is one of the energies that they move, too.
