@@ -10,7 +10,8 @@ use nalgebra::Vector3;
 
 /// Depths below this, relative to the size, differ by no more than this.
 const TOUCHING: f64 = 1e-9;
-/// Errors up to this, relative to the size, are roundings, and more where places are far from the origin. Shapes with many small features have larger ones, because their normals do.
+/// Errors up to this, relative to the size, are roundings, and more where places are far from the origin. Shapes with many small features have larger
+/// ones, because their normals do.
 const ROUNDING: f64 = 2e-14;
 const ROUNDING_OF_SMALL: f64 = 2e-13;
 

@@ -34,7 +34,7 @@ pub struct SceneBody {
 pub enum Weight {
     /// Its density [kg/m³].
     Density(f64),
-    /// By its mass (kg).
+    /// Its mass (kg).
     Mass(f64),
 }
 

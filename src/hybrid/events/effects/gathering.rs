@@ -72,7 +72,7 @@ pub(crate) fn gather_meetings(
     for (pair, known) in memory.pairs.iter() {
         let own = |meeting: &&mut Meeting| contacts.pair_of(meeting.block.of) == Some(pair);
         // Rates of what touches are roundings: a blow that passes through it does not end its impacts.
-        let approaching = |meeting: &&mut Meeting| meeting.rate(&state.velocity) < -meeting.rest;
+        let approaching = |meeting: &&mut Meeting| meeting.approaches(&state.velocity);
         let meeting = all[first..].iter_mut().filter(own).filter(approaching);
         let rate = meeting.map(|meeting| meeting.rate(&state.velocity)).fold(0.0_f64, f64::min);
         let restitution = scene.touching.pairs[pair].restitution;

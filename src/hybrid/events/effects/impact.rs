@@ -45,6 +45,11 @@ impl Meeting {
     pub fn rate(&self, velocity: &[f64]) -> f64 {
         self.block.rows[0].rate(velocity)
     }
+
+    /// Whether it approaches at these velocities, faster than rest.
+    pub fn approaches(&self, velocity: &[f64]) -> bool {
+        self.rate(velocity) < -self.rest
+    }
 }
 
 /// The results of impacts.
@@ -109,7 +114,7 @@ pub fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Re
     if meetings.is_empty() {
         return Ok(done);
     }
-    if !meetings.iter().any(|meeting| meeting.rate(&state.velocity) < -meeting.rest) {
+    if !meetings.iter().any(|meeting| meeting.approaches(&state.velocity)) {
         return Ok(done);
     }
     let blocks: Vec<Block> = meetings.iter().map(|meeting| meeting.block.clone()).collect();

@@ -65,7 +65,7 @@ impl Contacts {
 
     /// Slower than this is rest for a contact [m/s].
     pub(super) fn rest_of(&self, contact: &Contact) -> f64 {
-        let own = self.gone_on.iter().find(|(of, _)| of.pair == contact.pair && of.features == contact.features);
+        let own = self.gone_on.iter().find(|(of, _)| of.is_at(contact));
         own.map_or(self.rest, |&(_, rest)| rest.max(self.rest))
     }
 }

@@ -44,9 +44,8 @@ impl Contacts {
         };
         for contact in &before.unpressed {
             let within = scene.touching.pairs[contact.pair].within(TOUCHED);
-            let same = |known: &Contact| known.pair == contact.pair && known.features == contact.features;
             let touches = || touch_motion(&contact.joint, bodies).gap.abs() <= within;
-            if !returns(contact.pair) && !self.all.iter().any(same) && touches() {
+            if !returns(contact.pair) && !self.all.iter().any(|known| known.is_at(contact)) && touches() {
                 self.known.push(None);
                 self.all.push(contact.clone());
                 self.unpressed.push(contact.clone());
@@ -68,8 +67,8 @@ impl Contacts {
                 continue;
             }
             for (contact, _) in scene.touching.near(pair, &bodies, of.within(TOUCHED)) {
-                let known = |other: &Contact| other.pair == pair && other.features == contact.features;
-                let is_there = self.all.iter().chain(&self.seams).chain(&self.kept).any(known);
+                let mut known = self.all.iter().chain(&self.seams).chain(&self.kept);
+                let is_there = known.any(|other| other.is_at(&contact));
                 let rate = touch_motion(&contact.joint, &bodies).rate;
                 if contact.flat_end().is_none() && rate.abs() <= self.rest && !is_there {
                     self.known.push(None);

@@ -1,4 +1,4 @@
-//! The next extreme of a quantity that is known in time. Steps in which all stands end there.
+//! The next extreme of a quantity that is known in time. Steps without motion end there.
 //!
 //! ```text
 //!     f₀, f₁, …, f_n at equal distances of h (s):    the first i at which f_i − f_{i−1} and f_{i+1} − f_i have opposite signs

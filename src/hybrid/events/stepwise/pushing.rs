@@ -119,7 +119,7 @@ impl Eventful {
             }
             for (contact, gap) in self.model.touching.near(pair, &bodies, within) {
                 // Contacts that loops keep have no determinate impulse.
-                if self.mode.kept.iter().any(|kept| kept.pair == pair && kept.features == contact.features) {
+                if self.mode.kept.iter().any(|kept| kept.is_at(&contact)) {
                     continue;
                 }
                 let rows = rows_of_contact(&self.model.whole, &bodies, &contact.joint, of.friction > 0.0);

@@ -21,7 +21,7 @@ impl<T: Default> PerPair<T> {
         self.place(pair).ok().map(|place| &self.known[place].1)
     }
 
-    /// The value of a pair, by default at first.
+    /// The value of a pair, at first the default.
     pub fn of(&mut self, pair: usize) -> &mut T {
         let place = match self.place(pair) {
             Ok(place) => place,

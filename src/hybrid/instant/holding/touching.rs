@@ -42,6 +42,11 @@ pub struct Contact {
 }
 
 impl Contact {
+    /// Whether it is between the same features of the same pair as another one.
+    pub fn is_at(&self, other: &Contact) -> bool {
+        self.pair == other.pair && self.features == other.features
+    }
+
     /// Whether the first body of the joint belongs to the second collider of the pair.
     pub fn is_swapped(&self) -> bool {
         self.place.swapped

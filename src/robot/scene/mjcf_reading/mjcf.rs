@@ -41,7 +41,7 @@ pub fn read_mjcf(path: &Path, text: &str, keyframe: Option<&str>, packages: &Pac
     let mut made = Made { urdfs: urdfs.into_iter(), files, packages };
     let placed = |error: SceneError| match error.file.is_file() && error.file != path {
         true => error,
-        // Lines belong to the copies.
+        // Lines count in the text that was made, not in the file.
         false => SceneError { file: path.to_path_buf(), line: None, ..error },
     };
     let mut scene = scene_from_text(&toml, path, &mut made).map_err(placed)?;

@@ -45,7 +45,7 @@ impl Walk<'_> {
     pub(super) fn jump(&mut self, jump: &TracedJump) -> Result<(), SensitivityError> {
         self.fastest = self.fastest.max(fastest(&jump.before.velocity));
         // A slip that stops leaves the error of its step, which the mode after it takes away.
-        if !jump.meetings.iter().any(|meeting| meeting.rate(&jump.before.velocity) < -meeting.rest) {
+        if !jump.meetings.iter().any(|meeting| meeting.approaches(&jump.before.velocity)) {
             return Ok(());
         }
         self.see_apart(jump);

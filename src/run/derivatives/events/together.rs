@@ -11,23 +11,27 @@ use crate::derivatives::equations::closed::ClosedContacts;
 use crate::derivatives::events::closing::STAYS;
 use crate::derivatives::events::instant::Instant;
 use crate::derivatives::events::walk::Walk;
+use crate::derivatives::events::watched::gap_of_joint;
 use crate::derivatives::forward::stage_equations::BothFigures;
 use crate::derivatives::forward::step::{Part, WIDTH};
 use crate::derivatives::forward::tangent::with;
-use crate::events::trace::TracedJump;
+use crate::events::trace::{Meeting, TracedJump};
 use crate::instant::holding::blocks::Of;
-use crate::mechanism::motion::event::Side;
 
 /// The cause in words, for an impact at this time (s).
 pub(super) fn one_after_the_other(time: f64) -> String {
     format!("contacts that strike together at {time:.6} s strike one after the other")
 }
 
+/// The limits and contacts that approach before an impact.
+fn striking(jump: &TracedJump) -> impl Iterator<Item = &Meeting> {
+    jump.meetings.iter().filter(|meeting| meeting.approaches(&jump.before.velocity))
+}
+
 impl Walk<'_> {
     /// Tells of parameters by which contacts and limits strike one after the other.
     pub(super) fn see_apart(&mut self, jump: &TracedJump) {
-        let strike = jump.meetings.iter().filter(|meeting| meeting.rate(&jump.before.velocity) < -meeting.rest);
-        if !self.tells || strike.count() < 2 {
+        if !self.tells || striking(jump).count() < 2 {
             return;
         }
         let what = one_after_the_other(self.state.time);
@@ -49,19 +53,15 @@ impl Walk<'_> {
     fn gaps_of(&self, jump: &TracedJump, figures: &BothFigures<Part>, offsets: &[Part]) -> Vec<Part> {
         let at = Instant { figures, state: &self.state, offsets, closed: &ClosedContacts::default() };
         let placed = at.at_rest();
-        let strike = jump.meetings.iter().filter(|meeting| meeting.rate(&jump.before.velocity) < -meeting.rest);
         let gap = |of: Of| match of {
             Of::Contact(index) => Some(self.touch(jump.contacts.get(index)?, &figures.laws)?.at(&placed).gap),
             Of::Joint(index) => {
-                let (joint, law) = (&self.subject.elements.joints[index], &figures.laws.joints[index]);
-                let bound = match joint.side(joint.position(&jump.before))? {
-                    Side::Lower => law.lower,
-                    Side::Upper => law.upper,
-                };
-                Some(offsets[joint.coordinate.freedom] - bound)
+                let (elements, joint) = (self.subject.elements, &self.subject.elements.joints[index]);
+                let side = joint.side(joint.position(&jump.before))?;
+                Some(gap_of_joint(&at, elements, index, side))
             }
             Of::Moment { .. } => None,
         };
-        strike.filter_map(|meeting| gap(meeting.block.of)).collect()
+        striking(jump).filter_map(|meeting| gap(meeting.block.of)).collect()
     }
 }

@@ -38,18 +38,23 @@ pub(crate) struct Sight<'s> {
     pub accelerations: &'s OnceCell<Option<Accelerations>>,
 }
 
+/// The distance of a joint to a bound (rad or m).
+pub(super) fn gap_of_joint(at: &Instant<Part>, elements: &Elements, joint: usize, side: Side) -> Part {
+    let (place, law) = (elements.joints[joint].coordinate, &at.figures.laws.joints[joint]);
+    let value = Part::of(at.state.position[place.position]) + Part::of(at.state.compensation[place.position]);
+    let position = value + at.offsets[place.freedom];
+    match side {
+        Side::Lower => position - law.lower,
+        Side::Upper => law.upper - position,
+    }
+}
+
 impl Sight<'_> {
     /// The value of a function; `None` if it has no derivative that is known here.
     pub fn value(&self, watched: Watched) -> Option<Part> {
         let laws = &self.at.figures.laws;
         Some(match watched {
-            Watched::Gap(index, side) => {
-                let position = self.position(index);
-                match side {
-                    Side::Lower => position - laws.joints[index].lower,
-                    Side::Upper => laws.joints[index].upper - position,
-                }
-            }
+            Watched::Gap(index, side) => gap_of_joint(&self.at, self.elements, index, side),
             Watched::Slide(index) => {
                 let rate = self.velocities[self.elements.joints[index].coordinate.freedom];
                 match self.mode.joints[index] {
@@ -85,13 +90,6 @@ impl Sight<'_> {
     /// A closed contact, by its number in the mode.
     pub(super) fn touch_of(&self, contact: usize) -> Option<&TouchFigures<Part>> {
         self.contacts.get(contact)?.as_ref()
-    }
-
-    fn position(&self, joint: usize) -> Part {
-        let at = self.elements.joints[joint].coordinate;
-        let state = self.at.state;
-        let value = Part::of(state.position[at.position]) + Part::of(state.compensation[at.position]);
-        value + self.at.offsets[at.freedom]
     }
 
     /// The effort of a motor without bound.

@@ -12,7 +12,6 @@ use crate::mechanism::structure::islands::Island;
 use crate::simulation::parallel::between::Knot;
 use crate::simulation::steps::course::{Aim, Course, RunError, RunOptions};
 use crate::simulation::steps::observer::{Observer, ObserverError, Sample, StepEnd};
-use crate::simulation::steps::summary::given;
 use crate::simulation::tolerance::accuracy_so_far::AccuracySoFar;
 use crate::simulation::tolerance::estimated_run::EstimatedRun;
 use std::collections::VecDeque;
@@ -34,8 +33,6 @@ pub(crate) struct IslandRun<'a> {
     pub(crate) at_sample: Option<Knot>,
     /// The error of its energy balance at the last step taken over (J).
     pub(crate) deviation: f64,
-    /// What dampers, friction and impacts have given in its steps (J).
-    given: f64,
     /// Its energies at the start (J).
     pub(crate) initial: Energy,
     /// The accuracy that it has told up to that step.
@@ -121,7 +118,6 @@ impl<'a> IslandRun<'a> {
             last_sample: None,
             at_sample: None,
             deviation: 0.0,
-            given: 0.0,
             initial: Energy::default(),
             so_far: None,
             steps: 0,
@@ -183,7 +179,7 @@ impl<'a> IslandRun<'a> {
         let initial = course.summary().initial_energy;
         self.last = Knot { time: self.state.time, energy: initial, exchange: Exchange::default() };
         (self.last_sample, self.at_sample) = (None, None);
-        (self.deviation, self.given, self.initial) = (0.0, 0.0, initial);
+        (self.deviation, self.initial) = (0.0, initial);
         (self.steps, self.iterations, self.failed) = (0, 0, None);
         (self.shown, self.so_far) = (Shown::default(), None);
         course.begin(&self.island.mechanism, &mut [&mut self.shown])?;
@@ -206,8 +202,7 @@ impl<'a> IslandRun<'a> {
     /// Takes over the figures of its next step.
     pub(crate) fn take(&mut self, end: &StepEnd) {
         self.last = Knot::after(end);
-        self.given += given(&end.outcome.exchange, &end.energy);
-        self.deviation = end.energy.total() - self.initial.total() + end.exchange.lost() + self.given;
+        self.deviation = end.deviation;
         self.steps += 1;
         self.iterations += end.outcome.cost.iterations;
     }

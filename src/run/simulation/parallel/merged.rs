@@ -236,6 +236,7 @@ impl MergedRun {
     ) -> StepEnd {
         let (mut end, _) = instant[instant.len() - 1];
         (end.energy, end.exchange, end.so_far) = (self.summary.initial_energy, self.exchanged, self.summary.counts());
+        end.deviation = self.deviation;
         add_change(&mut end.energy, &self.changed, &Energy::default());
         end.outcome.exchange.impacts = instant.iter().map(|(end, _)| end.outcome.exchange.impacts).sum();
         for (number, part) in awake.iter_mut().enumerate() {
@@ -264,6 +265,7 @@ impl MergedRun {
             time,
             energy: energy_with_forces(mechanism, &self.state.position, &self.bodies),
             exchange: self.exchange,
+            deviation: self.deviation,
             violation: violation(mechanism, &self.state, &self.bodies),
             outcome,
             so_far,

@@ -28,6 +28,8 @@ pub struct StepEnd {
     pub energy: Energy,
     /// Energy dissipated since the start of the run, and work of external efforts (J).
     pub exchange: Exchange,
+    /// The error of the energy balance from the start of the run to here (J).
+    pub deviation: f64,
     /// Constraint violation there.
     pub violation: Violation,
     /// The cost of the step.

@@ -142,6 +142,7 @@ impl Bookkeeper {
                 time: state.time,
                 energy: initial,
                 exchange: Exchange::default(),
+                deviation: 0.0,
                 violation: summary.max_violation,
                 outcome: StepOutcome::default(),
                 so_far: Counts::default(),
@@ -165,15 +166,15 @@ impl Bookkeeper {
         let exchange = summary.exchange;
         summary.count(&outcome, violation);
         let so_far = summary.counts();
-        self.last = StepEnd { time: state.time, energy, exchange, violation, outcome, so_far };
         summary.final_energy = energy;
         // Energy that impacts took was kinetic before, also if the step ends with them.
         self.largest_kinetic = self.largest_kinetic.max(energy.kinetic + outcome.exchange.impacts.max(0.0));
         summary.largest_kinetic = self.largest_kinetic;
         summary.see_forces(mechanism, state, energy.spring);
         self.given += given(&outcome.exchange, &Energy { kinetic: self.largest_kinetic, ..energy });
-        let balance = energy.total() - summary.initial_energy.total() + exchange.lost() + self.given;
-        self.largest_deviation = worse(self.largest_deviation, balance.abs());
+        let deviation = energy.total() - summary.initial_energy.total() + exchange.lost() + self.given;
+        self.last = StepEnd { time: state.time, energy, exchange, deviation, violation, outcome, so_far };
+        self.largest_deviation = worse(self.largest_deviation, deviation.abs());
         summary.max_energy_error = self.largest_deviation;
         let moved = if self.driven { moved_by_motors(&exchange, &energy) } else { 0.0 };
         let scale = self.largest_kinetic.max(moved);
@@ -184,7 +185,7 @@ impl Bookkeeper {
 
 /// The energy that dampers, friction and impacts have given in a step of this exchange (J), beyond roundings of the energies there. Each of them takes
 /// energy, and belts and motors that move joints do work.
-pub(crate) fn given(exchange: &Exchange, energy: &Energy) -> f64 {
+fn given(exchange: &Exchange, energy: &Energy) -> f64 {
     let given = -(exchange.dissipated + exchange.friction + exchange.impacts);
     let rounding =
         GIVEN * energy.kinetic + ROUNDED * (energy.potential.abs() + energy.spring.abs() + energy.load.abs());

@@ -82,7 +82,7 @@ pub(crate) struct Handed {
     /// The largest error that the motion beside it has shown, and the errors that it does not show (m).
     pub largest: f64,
     pub unseen: f64,
-    /// The run and the motion beside it have seen this of crowds of events.
+    /// The crowds of events that the run and the motion beside it have seen.
     pub crowds: [Option<CrowdsSoFar>; 2],
     /// Whether runs have parted, and since when they met different events (s).
     pub parted: bool,

@@ -204,6 +204,7 @@ mod tests {
             time,
             energy: Energy::default(),
             exchange: Exchange::default(),
+            deviation: 0.0,
             violation: Violation::default(),
             outcome: StepOutcome::default(),
             so_far: Counts::default(),
@@ -258,7 +259,8 @@ mod tests {
             ..StepOutcome::default()
         };
         let so_far = Counts { steps: 2, iterations: 9, rejected: 1 };
-        let end = StepEnd { time: 0.025, energy, exchange, violation: Violation::default(), outcome, so_far };
+        let violation = Violation::default();
+        let end = StepEnd { time: 0.025, energy, exchange, deviation: 0.0, violation, outcome, so_far };
         let (mut order, mut piece) = (Order::new(5.0, None), Piece::default());
         order.event(&Event { time: 0.025, kind: EventKind::LimitImpact, body: 0, pair: None, impulse: Some(1.0) });
         order.step(&end);
