@@ -157,6 +157,14 @@ impl Lobatto {
         self.stepper.kernel.closure_forces(forces)
     }
 
+    /// Whether hard dampers may have left more of a transient at the end of the last step than its tolerance allows.
+    pub fn leaves_transient(&self) -> bool {
+        match &self.mode {
+            Mode::Chosen(control) => control.leaves_transient(&self.stepper),
+            Mode::Fixed(_) | Mode::Reversible(_) => false,
+        }
+    }
+
     /// Number of stages.
     pub fn stages(&self) -> usize {
         self.stepper.tableau.stages

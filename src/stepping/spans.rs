@@ -254,6 +254,10 @@ impl PieceSteps for SpanSteps {
         self.last().closure_forces(forces)
     }
 
+    fn leaves_transient(&self) -> bool {
+        self.last().leaves_transient()
+    }
+
     fn give_up_below(&mut self, length: f64) {
         self.many.give_up_below(length);
     }

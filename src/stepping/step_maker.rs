@@ -142,6 +142,11 @@ pub trait PieceSteps: StepMaker + Sync {
         false
     }
 
+    /// Whether hard dampers may have left more of a transient at the end of the last step than its tolerance allows.
+    fn leaves_transient(&self) -> bool {
+        false
+    }
+
     /// A step that is shorter than this (s) and cannot be solved is given up, now and later.
     fn give_up_below(&mut self, _length: f64) {}
 }

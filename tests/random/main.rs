@@ -101,7 +101,7 @@ fn two_hundred_random_scenes_with_events_keep_every_law() {
 }
 
 /// Seeds of the five thousand that broke a law once.
-const BROKEN_ONCE: [(&str, &[u64]); 12] = [
+const BROKEN_ONCE: [(&str, &[u64]); 13] = [
     ("impulses of 1e12 N s, which roundings of a singular mobility allow", &[2007, 2630]),
     ("impacts, steps and given steps in gimbal lock", &[2117, 3197, 3237, 3457, 5057, 5197, 5517, 5997]),
     (
@@ -125,6 +125,10 @@ const BROKEN_ONCE: [(&str, &[u64]); 12] = [
         &[4673],
     ),
     ("steps near a gimbal lock, made again to end at limits, that were off by roundings of the rates", &[3357, 7097]),
+    (
+        "an impact in the first step after a corner of a target, with a part of what a hard damper was about to stop",
+        &[15670],
+    ),
     ("starts that are wedged, where no small motion moves shapes apart", &[8070, 8370]),
 ];
 

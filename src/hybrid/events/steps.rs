@@ -193,9 +193,19 @@ impl Eventful {
             Some(Rejected::Unseen)
         } else if ending.is_of_scheme() && !ending.is_at_start() && self.passes_a_stop(state) {
             Some(Rejected::SlipTurned)
+        } else if ending.is_of_scheme() && outcome.step > JAM && self.strikes_in_transient(ending.triggers()) {
+            Some(Rejected::NotSmooth)
         } else {
             self.is_off_balance(inputs, state, ending, &outcome.exchange).then_some(Rejected::OffBalance)
         }
+    }
+
+    /// Whether something strikes at the end of the step while rates may have a part of a transient that hard dampers have stopped: the impact would carry
+    /// it on into the motion.
+    fn strikes_in_transient(&self, triggers: &[Watched]) -> bool {
+        let strikes = |trigger: &Watched| matches!(trigger, Watched::Gap(..) | Watched::Approach(..));
+        triggers.iter().any(strikes)
+            && self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.leaves_transient())
     }
 
     /// Keeps the step: takes its findings, carries out the events at its end, enters the mode that follows, and sees whether all has come to rest.

@@ -30,7 +30,7 @@ const OF_STOP: f64 = 1e-3;
 /// and up to roundings (rad, m), where springs or dampers act.
 const ROUNDINGS: f64 = 1e-15;
 /// If h γ is above this, the fast motion at the start of a step has vanished at its end.
-const STOPPED: f64 = 15.0;
+pub(super) const STOPPED: f64 = 15.0;
 /// Steps of which E is above this part of the largest that is kept have a truncation that counts.
 const TRUNCATED: f64 = 0.5;
 

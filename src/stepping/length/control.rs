@@ -218,6 +218,11 @@ impl Control {
         self.patience = if mechanism.is_plain_tree() { PATIENCE } else { 0 };
     }
 
+    /// Whether hard dampers may have left more of a transient at the end of the last step than moves things by the tolerance in a second.
+    pub(crate) fn leaves_transient(&self, stepper: &Stepper) -> bool {
+        self.memory.previous.is_some_and(|legendre| stepper.left_rate(legendre) > self.tolerance)
+    }
+
     /// Forgets the motion: the next step starts from something else.
     pub fn forget(&mut self) {
         let (step, kinetic) = self.given.take().unwrap_or_default();

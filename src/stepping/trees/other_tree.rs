@@ -244,6 +244,10 @@ impl PieceSteps for OnOtherTree {
         self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).keep_pace(pace, time);
     }
 
+    fn leaves_transient(&self) -> bool {
+        self.active().leaves_transient()
+    }
+
     fn give_up_below(&mut self, length: f64) {
         self.on_file.as_mut().unwrap_or(&mut self.inside.lobatto).give_up_below(length);
     }

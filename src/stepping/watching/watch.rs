@@ -158,6 +158,11 @@ impl Watch {
         self.decays.iter().any(|decay| step * decay > s * (s - 1.0))
     }
 
+    /// The rate at which the hardest damper stops something, as far as is known [1/s].
+    pub fn hardest(&self) -> f64 {
+        self.decays[0].max(self.decays[1])
+    }
+
     /// The first observed ringing.
     pub fn ringing(&self) -> Option<Ringing> {
         self.ringing

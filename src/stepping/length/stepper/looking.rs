@@ -1,6 +1,7 @@
 //! Looks at a step that is solved: stability, dampers, drag and samples inside it may ask for a shorter one.
 
 use crate::instants::sampling::LastStep;
+use crate::length::companion::STOPPED;
 use crate::length::stepper::Stepper;
 use crate::watching::pace::Pace;
 use crate::watching::watch::FIRST_LOOK;
@@ -70,6 +71,12 @@ impl Stepper {
     /// The largest error of samples in steps that were too long for a damper (m).
     pub fn ringing_inside(&self) -> f64 {
         self.inside.ringing()
+    }
+
+    /// What is left at the end of the last step of rates that hard dampers were about to stop at its start, if its top Legendre coefficient has this size
+    /// (rad, m): `15 E/h` [rad/s, m/s] if `h γ > 15`, and zero in shorter steps. Polynomials follow `e^{−γt}` in these alone.
+    pub fn left_rate(&self, legendre: f64) -> f64 {
+        if self.damped && self.length * self.watch.hardest() > STOPPED { legendre * STOPPED / self.length } else { 0.0 }
     }
 
     /// Whether dampers act, so that every step is looked at.
