@@ -99,6 +99,7 @@ mod slow_slips;
 mod throws;
 mod ticks;
 mod ties_and_sizes;
+mod tilted_cans;
 mod toys;
 mod turnings;
 mod weights;

@@ -17,7 +17,7 @@ use crate::events::integrator::Eventful;
 use crate::events::modes::mode::JointMode;
 use crate::instant::dynamics::mass_matrix::mass_matrix;
 use crate::instant::holding::blocks::row_of_freedom;
-use crate::instant::start::assembly::assemble;
+use crate::instant::start::assembly::assemble_nearby;
 use crate::mechanism::forces::total::{BodyWrench, body_wrenches, joint_efforts};
 use crate::mechanism::motion::efforts::efforts_of_wrenches;
 use crate::mechanism::motion::inputs::Inputs;
@@ -47,7 +47,7 @@ impl Eventful {
         if self.model.whole.has_closures() {
             state.velocity.fill(0.0);
             // If it fails, a closure stays open by the error of a first-order step.
-            let _ = assemble(&self.model.whole, state);
+            let _ = assemble_nearby(&self.model.whole, state);
         }
         let velocity = self.velocities_of(momenta, &efforts, step, state);
         if velocity.iter().all(|rate| rate.is_finite()) {

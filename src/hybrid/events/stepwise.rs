@@ -19,7 +19,7 @@ use crate::events::closing::{Bearing, Pressed};
 use crate::events::effects::omitted_flights::probe_velocities;
 use crate::events::effects::resting::{energy, work_of_forces};
 use crate::events::integrator::Eventful;
-use crate::instant::start::assembly::assemble;
+use crate::instant::start::assembly::assemble_nearby;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::Exchange;
 use crate::mechanism::motion::distance::distance;
@@ -106,7 +106,7 @@ impl Eventful {
         state.time = start.time + step;
         // If it fails, closures stay open by the error of a step of first order.
         let wanted = state.velocity.clone();
-        let _ = assemble(&self.model.whole, state);
+        let _ = assemble_nearby(&self.model.whole, state);
         if !state.velocity.iter().all(|rate| rate.is_finite()) {
             state.velocity = wanted;
         }

@@ -5,7 +5,7 @@ use crate::events::integrator::Eventful;
 use crate::instant::cone::bounded::minimise;
 use crate::instant::holding::blocks::{Row, Rows, row_of_freedom, rows_of_contact};
 use crate::instant::holding::elements::inward;
-use crate::instant::start::assembly::assemble;
+use crate::instant::start::assembly::assemble_nearby;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
@@ -52,7 +52,7 @@ impl Eventful {
             let mut change = vec![0.0; state.velocity.len()];
             rows.add(&pull(&rows, &gaps), &mut change);
             state.displace(&self.model.whole, &change);
-            let _ = assemble(&self.model.whole, state);
+            let _ = assemble_nearby(&self.model.whole, state);
         }
         let bodies = body_states(&self.model.whole, state);
         let closed = pressed.iter().filter(|pressed| {

@@ -122,16 +122,16 @@ pub(crate) fn row_of_freedom(count: usize, freedom: usize, sign: f64) -> Row {
     row.into()
 }
 
-/// The row of a force f on the second body at a point p of the world, and its opposite on the first.
+/// The row of a force f on the second of two bodies at a point p of the world, and its opposite on the first.
 pub(crate) fn row_of_force(
     mechanism: &Mechanism,
     bodies: &[BodyState],
-    joint: &TouchJoint,
+    [first, second]: [Option<usize>; 2],
     point: &Vector3<f64>,
     force: &Vector3<f64>,
 ) -> Row {
     let mut wrenches = vec![(Vector3::zeros(), Vector3::zeros()); bodies.len()];
-    for (end, sign) in [(joint.a.body, -1.0), (joint.b.body, 1.0)] {
+    for (end, sign) in [(first, -1.0), (second, 1.0)] {
         if let Some(body) = end {
             let force = force * sign;
             wrenches[body].0 += force;
@@ -202,7 +202,7 @@ pub(crate) fn rows_of_contact(
     let count = if friction { 3 } else { 1 };
     let mut rows: Vec<Row> = [touch.normal, first, second][..count]
         .iter()
-        .map(|along| row_of_force(mechanism, bodies, joint, &touch.point, along))
+        .map(|along| row_of_force(mechanism, bodies, [joint.a.body, joint.b.body], &touch.point, along))
         .collect();
     if friction {
         leave_roundings_out(&mut rows);

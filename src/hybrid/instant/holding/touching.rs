@@ -3,7 +3,7 @@
 //! A pair is asked for its distance while it is open, and for its contacts, pairs of features, where it is nearly closed. A pose belongs
 //! to a body; the world has its own.
 
-use crate::geometry::{Before, FeatureId, PlaceId, TouchPlace};
+use crate::geometry::{Before, Distance, FeatureId, PlaceId, TouchPlace};
 use crate::instant::holding::pairs::{Pair, Pairs};
 use crate::instant::holding::rope::ROUNDED;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
@@ -117,6 +117,12 @@ impl Touching {
             return rope.gap(bodies);
         }
         geometry.distance(&pose(*a, bodies), &pose(*b, bodies)).distance
+    }
+
+    /// The distance of a pair, with the points that have it; `None` for ropes.
+    pub fn nearest(&self, pair: usize, bodies: &[BodyState]) -> Option<Distance> {
+        let Pair { geometry, bodies: [a, b], rope, .. } = &self.pairs[pair];
+        rope.is_none().then(|| geometry.distance(&pose(*a, bodies), &pose(*b, bodies)))
     }
 
     /// The distance of a pair (m) if it may be at most `within` (m), otherwise a lower bound that is larger than `within`.

@@ -13,7 +13,7 @@
 
 use crate::instant::cone::bounded::minimise;
 use crate::instant::dynamics::response::Response;
-use crate::instant::holding::blocks::{row_of_freedom, rows_of_contact};
+use crate::instant::holding::blocks::{row_of_force, row_of_freedom, rows_of_contact};
 use crate::instant::holding::near::Near;
 use crate::instant::holding::touching::Touching;
 use crate::instant::start::wedged::beside;
@@ -68,9 +68,18 @@ pub(crate) fn move_apart(
         if touching.distance_within(pair, &bodies, near) > near {
             continue;
         }
+        let mut deepest = 0.0_f64;
         for (contact, gap) in touching.a_few_near(pair, &bodies, near) {
             rows.extend(rows_of_contact(mechanism, &bodies, &contact.joint, false));
             gaps.push(gap);
+            deepest = deepest.min(gap);
+        }
+        // Points on its rim stand for a flat end that is tilted by less than 1e-9 rad, and what is between them may be deeper.
+        let nearest = touching.nearest(pair, &bodies);
+        if let Some(nearest) = nearest.filter(|nearest| nearest.distance < deepest - pairs[pair].within(APART)) {
+            let middle = 0.5 * (nearest.points[0] + nearest.points[1]);
+            rows.push(row_of_force(mechanism, &bodies, pairs[pair].bodies, &middle, &nearest.normal));
+            gaps.push(nearest.distance);
         }
     }
     if gaps.iter().all(|gap| *gap >= 0.0) {
@@ -131,14 +140,25 @@ fn least_pushes(column_of: impl Fn(usize) -> Vec<f64>, gaps: &[f64]) -> Vec<f64>
     }
 }
 
+/// How far a state may be moved to put it apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reach {
+    /// A start: where small motions do not do, from beside it.
+    Beside,
+    /// The end of a step: by small motions alone.
+    Nearby,
+}
+
 /// A pair that overlaps, by its number, and its overlap (m); `None` without overlaps.
 pub(crate) type Overlap = Option<(usize, f64)>;
 
-/// Moves a state apart; `close` brings it back on what else has to hold, if that is possible. One that is wedged is moved apart from beside it. Says which pair overlapped
-/// most, and which still does: that one, too, where a loop holds shapes inside each other, so that it cannot be closed again.
+/// Moves a state apart; `close` brings it back on what else has to hold, if that is possible. One that is wedged is moved apart from beside it, if it may go
+/// there. Says which pair overlapped most, and which still does: that one, too, where a loop holds shapes inside each other, so that it cannot be closed
+/// again.
 pub(crate) fn without_overlap(
     mechanism: &Mechanism,
     state: &mut State,
+    reach: Reach,
     mut close: impl FnMut(&mut State) -> bool,
 ) -> (Overlap, Overlap) {
     let touching = Touching::new(mechanism);
@@ -160,6 +180,9 @@ pub(crate) fn without_overlap(
         Err(Unclosed) => Some(first),
     };
     let Some(wedged) = left(state, &mut close) else { return (Some(named(first)), None) };
+    if reach == Reach::Nearby {
+        return (Some(named(first)), Some(named(wedged)));
+    }
     let moved = state.clone();
     for beside in beside(mechanism, &wanted) {
         state.copy_from(&beside);

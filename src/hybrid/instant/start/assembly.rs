@@ -5,7 +5,7 @@
 //! as defect/h.
 
 use crate::instant::holding::locked::Locked;
-use crate::instant::start::apart::without_overlap;
+use crate::instant::start::apart::{Reach, without_overlap};
 use crate::instant::start::assembly_elsewhere::close_elsewhere;
 use crate::instant::start::limits::{close_within, excess, most_exceeded, move_within, within};
 use crate::lobatto::coupled::counted::Counted;
@@ -130,9 +130,25 @@ pub fn assemble_counted(
     mechanism: &Mechanism,
     state: &mut State,
 ) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {
+    assemble_within(mechanism, state, Reach::Beside)
+}
+
+/// Moves the end of a step onto all closures and within limits, and out of overlaps as far as small motions do that.
+///
+/// # Errors
+/// As of [`assemble`].
+pub(crate) fn assemble_nearby(mechanism: &Mechanism, state: &mut State) -> Result<(), AssemblyError> {
+    assemble_within(mechanism, state, Reach::Nearby).map(|_| ())
+}
+
+fn assemble_within(
+    mechanism: &Mechanism,
+    state: &mut State,
+    reach: Reach,
+) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {
     match Locked::of(mechanism) {
-        Some(locked) => assemble_in_place(&locked, locked.mechanism(), mechanism, state),
-        None => assemble_moving(mechanism, state),
+        Some(locked) => assemble_in_place(&locked, locked.mechanism(), mechanism, state, reach),
+        None => assemble_moving(mechanism, state, reach),
     }
 }
 
@@ -150,8 +166,8 @@ pub fn assemble_on_closures(mechanism: &Mechanism, state: &mut State) -> Result<
         own
     };
     match Locked::of(mechanism) {
-        Some(locked) => assemble_in_place(&locked, &unbounded(locked.mechanism()), mechanism, state),
-        None => assemble_moving(&unbounded(mechanism), state),
+        Some(locked) => assemble_in_place(&locked, &unbounded(locked.mechanism()), mechanism, state, Reach::Beside),
+        None => assemble_moving(&unbounded(mechanism), state, Reach::Beside),
     }
     .map(|_| ())
 }
@@ -162,11 +178,12 @@ fn assemble_in_place(
     moving: &Mechanism,
     mechanism: &Mechanism,
     state: &mut State,
+    reach: Reach,
 ) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {
     let wanted = state.clone();
     let mut own = State::zero(moving);
     locked.gather(mechanism, state, &mut own);
-    let assembled = assemble_moving(moving, &mut own);
+    let assembled = assemble_moving(moving, &mut own, reach);
     locked.spread(mechanism, &own, state);
     let (mut correction, _) = assembled?;
     // Closures between locked joints are not among those that were closed.
@@ -190,11 +207,12 @@ fn assemble_in_place(
 fn assemble_moving(
     mechanism: &Mechanism,
     state: &mut State,
+    reach: Reach,
 ) -> Result<(Correction, Option<Arc<Counted>>), AssemblyError> {
     let wanted = state.clone();
     let mut done = close(mechanism, state)?;
     let again = |state: &mut State| close(mechanism, state).map(|again| done = again).is_ok();
-    let (overlap, left) = without_overlap(mechanism, state, again);
+    let (overlap, left) = without_overlap(mechanism, state, reach, again);
     done.0.overlap = overlap;
     if let Some((number, depth)) = left {
         let [words, advice] = overlap_in_words(mechanism, number, depth).unwrap_or_default();
