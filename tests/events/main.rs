@@ -21,6 +21,7 @@ mod contacts_cans;
 mod contacts_car;
 mod contacts_corners;
 mod contacts_cradle;
+mod contacts_dead_points;
 mod contacts_disc;
 mod contacts_dominoes;
 mod contacts_dropped;

@@ -23,11 +23,14 @@ use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::{tangents, touch_motion};
-use nalgebra::{DMatrix, DMatrixView};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 use std::iter::successors;
 
 /// A freedom that answers to an effort with less than this part of its free answer cannot move.
 const IMMOBILE: f64 = 1e-10;
+/// How far a state is displaced for a look beside a dead point (rad, m), and the largest part of a motion of one that counts as none.
+const ASIDE: f64 = 1e-3;
+const FREE: f64 = 1e-6;
 /// An answer below this part of that without closures is rounding.
 pub(crate) const ROUNDING: f64 = 1e-13;
 
@@ -88,34 +91,89 @@ pub(crate) fn held_bodies(
         return held;
     }
     let joints = (0..whole.bodies.len()).filter(|&body| held[body]);
-    let freedoms = joints.flat_map(|body| whole.bodies[body].joint.velocity_range());
-    let mut rows: Vec<Row> = freedoms.map(|freedom| row_of_freedom(whole.velocity_count, freedom, 1.0)).collect();
-    if sticks {
-        let bodies = body_states(whole, state);
-        for closed in holding.into_iter().map(|number| &mode.contacts[number]) {
-            rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, true));
-            rows.extend(rows_of_held_turns(whole, &bodies, closed));
+    let joints: Vec<usize> = joints.flat_map(|body| whole.bodies[body].joint.velocity_range()).collect();
+    let contacts: Vec<&Closed> = holding.into_iter().map(|number| &mode.contacts[number]).collect();
+    let rows_at = |state: &State| {
+        let mut rows: Vec<Row> =
+            joints.iter().map(|&freedom| row_of_freedom(whole.velocity_count, freedom, 1.0)).collect();
+        if sticks {
+            let bodies = body_states(whole, state);
+            for closed in &contacts {
+                rows.extend(rows_of_contact(whole, &bodies, &closed.contact.joint, true));
+                rows.extend(rows_of_held_turns(whole, &bodies, closed));
+            }
         }
-    }
-    let rows = Rows::new(response, state, rows);
+        rows
+    };
+    let rows = Rows::new(response, state, rows_at(state));
     let inverse = pseudo_inverse(&rows.square);
     let rest = |body: &usize| !held[*body] && (sticks || whole.bodies[*body].joint.velocity_range().len() == 1);
     let others: Vec<usize> = (0..whole.bodies.len()).filter(rest).collect();
-    let freedoms = others.iter().flat_map(|&body| whole.bodies[body].joint.velocity_range());
-    let mut answers = response.diagonal(state, freedoms).into_iter();
-    let mut immobile: Vec<(usize, f64)> = Vec::new();
-    for &body in &others {
-        held[body] = true;
-        for (freedom, answer) in whole.bodies[body].joint.velocity_range().zip(answers.by_ref()) {
-            held[body] &= cannot_move(answer, rows.columns().view((freedom, 0), (1, inverse.ncols())), &inverse);
-            immobile.push((freedom, answer));
+    let mut immobile = immobile_among(whole, response, state, &others, &rows, &inverse);
+    // Contacts that stick have dead points, too: a freedom that they hold here alone moves on.
+    if sticks && whole.loops.is_empty() && !immobile.is_empty() {
+        let bodies: Vec<usize> = others.into_iter().filter(|body| held_in(&immobile, whole, *body)).collect();
+        if let Some(beside) = beside(whole, state, &rows, &inverse) {
+            let rows = Rows::new(response, &beside, rows_at(&beside));
+            let inverse = pseudo_inverse(&rows.square);
+            let there = immobile_among(whole, response, &beside, &bodies, &rows, &inverse);
+            immobile.retain(|(freedom, _)| there.iter().any(|(other, _)| other == freedom));
         }
-        immobile.retain(|(freedom, _)| held[body] || !whole.bodies[body].joint.velocity_range().contains(freedom));
     }
+    immobile.iter().filter_map(|(freedom, _)| whole.body_of_freedom(*freedom)).for_each(|body| held[body] = true);
     for freedom in rounded(whole, state, &immobile) {
         whole.body_of_freedom(freedom).into_iter().for_each(|body| held[body] = false);
     }
     held
+}
+
+/// The freedoms of the bodies among these that held rows determine in a state, with their answers `Y_ii`; all freedoms of a body, or none.
+fn immobile_among(
+    whole: &Mechanism,
+    response: &mut Response,
+    state: &State,
+    bodies: &[usize],
+    rows: &Rows,
+    inverse: &DMatrix<f64>,
+) -> Vec<(usize, f64)> {
+    let freedoms = bodies.iter().flat_map(|&body| whole.bodies[body].joint.velocity_range());
+    let mut answers = response.diagonal(state, freedoms).into_iter();
+    let mut immobile = Vec::new();
+    for &body in bodies {
+        let own: Vec<(usize, f64)> = whole.bodies[body].joint.velocity_range().zip(answers.by_ref()).collect();
+        let determined = |&(freedom, answer): &(usize, f64)| {
+            cannot_move(answer, rows.columns().view((freedom, 0), (1, inverse.ncols())), inverse)
+        };
+        if own.iter().all(determined) {
+            immobile.extend(own);
+        }
+    }
+    immobile
+}
+
+/// Whether the freedoms of a body are among these.
+fn held_in(immobile: &[(usize, f64)], whole: &Mechanism, body: usize) -> bool {
+    let own = whole.bodies[body].joint.velocity_range();
+    immobile.iter().any(|(freedom, _)| own.contains(freedom))
+}
+
+/// A state beside this one, where a motion leads that held rows leave free, without a preferred direction; `None` if they leave none.
+///
+/// ```text
+///     q ⊕ ε x,    x = r − Y Wᵀ (Y_SS)⁺ W r,    r_i = sin(1.7 i + 0.4)
+/// ```
+fn beside(whole: &Mechanism, state: &State, rows: &Rows, inverse: &DMatrix<f64>) -> Option<State> {
+    let mut motion: Vec<f64> = (0..state.velocity.len()).map(|freedom| (1.7 * freedom as f64 + 0.4).sin()).collect();
+    let along = DVector::from_vec(rows.rates(&motion));
+    let pushes = -(inverse * along);
+    rows.add(pushes.as_slice(), &mut motion);
+    let largest = motion.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    if largest <= FREE {
+        return None;
+    }
+    let mut beside = state.clone();
+    beside.displace(whole, &motion.iter().map(|value| ASIDE * value).collect::<Vec<f64>>());
+    Some(beside)
 }
 
 /// Whether a joint above a body, or its own, is moved in time.
