@@ -3,6 +3,7 @@
 
 use crate::common::scratch;
 use crate::scene_files::report;
+use catena::prelude::*;
 use catena::report::Report;
 use std::path::PathBuf;
 
@@ -51,4 +52,18 @@ fn a_box_that_stops_a_spinning_can_stays_on_it_with_the_energy_of_both() {
         assert!((height - wanted).abs() <= 1e-9, "{height} m");
     }
     assert!(ended.energy.max_relative_error <= 1e-6, "{:?}", ended.energy);
+}
+
+#[test]
+fn a_run_whose_numbers_overflow_ends_with_an_error_that_names_the_joint() {
+    let file = scratch("tilted_cans_overflow").join("scene.toml");
+    let text = "[scene]\ngravity = [0, 0, -1e300]\n[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n\
+         [[body]]\nname = \"can\"\nshape = { type = \"cylinder\", radius = 0.06, length = 0.12 }\nmass = 0.5\npose = { position = [0, 0, 5] }\n";
+    std::fs::write(&file, text).expect("a scene");
+    let model = Model::load(&file).expect("a model");
+    // Steps over events, and of the scheme: what is no number was reported, without an error.
+    for simulation in [Simulation::new(&model).tolerance(1e-3), Simulation::new(&model).fixed(3, 1e-3)] {
+        let failure = simulation.duration(1.0).run().expect_err("numbers that overflow").to_string();
+        assert!(failure.contains("\"can\" is not finite"), "{failure}");
+    }
 }

@@ -60,6 +60,20 @@ pub enum RunError {
     BeginsAgain { time: f64 },
 }
 
+/// The first joint with a position or velocity that is no finite number.
+fn joint_not_finite(mechanism: &Mechanism, state: &State) -> Option<String> {
+    let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+    if finite(&state.position) && finite(&state.velocity) {
+        return None;
+    }
+    let joints = mechanism.bodies.iter().map(|body| &body.joint);
+    let mut bad = joints.filter(|joint| {
+        let moves = finite(&state.velocity[joint.velocity_range()]);
+        !(moves && finite(&state.position[joint.position_range()]))
+    });
+    bad.next().map(|joint| joint.name.clone())
+}
+
 /// Runs `integrator` from `state` for `options.duration` and calls the observers.
 ///
 /// The summary is filled in up to the end of the run, also after an error.
@@ -263,6 +277,9 @@ impl Course {
             let outcome = outcome.inspect_err(|_| {
                 self.bookkeeper.summary.cost.add(&integrator.take_abandoned());
             })?;
+            if let Some(joint) = joint_not_finite(mechanism, state) {
+                return Err(StepError::NotFinite { time: from, step: outcome.step, joint }.into());
+            }
             if integrator.begins_again() {
                 return Err(RunError::BeginsAgain { time: state.time });
             }
