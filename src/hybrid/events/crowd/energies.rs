@@ -113,10 +113,10 @@ impl Energies {
 /// ½ vᵀ M v of each tree (J).
 fn kinetics(trees: &Trees, velocity: &[f64]) -> Vec<f64> {
     let of = |tree: &Tree| {
-        let own: Vec<f64> = tree.freedoms.iter().map(|&freedom| velocity[freedom]).collect();
-        let mut momentum = vec![0.0; own.len()];
-        tree.add_mass(&own, &mut momentum);
-        0.5 * own.iter().zip(&momentum).map(|(rate, momentum)| rate * momentum).sum::<f64>()
+        let own = || tree.freedoms.iter().map(|&freedom| velocity[freedom]);
+        let rows = tree.mass.chunks_exact(tree.freedoms.len().max(1));
+        let momenta = rows.map(|row| row.iter().zip(own()).map(|(entry, rate)| entry * rate).sum::<f64>());
+        0.5 * own().zip(momenta).map(|(rate, momentum)| rate * momentum).sum::<f64>()
     };
     trees.trees.iter().map(of).collect()
 }

@@ -40,6 +40,8 @@ pub(crate) type Forces<'f> = &'f mut dyn FnMut(&State, &mut [f64], &mut [f64]);
 #[derive(Clone)]
 pub(crate) struct Crowd {
     pub(super) trees: Trees,
+    /// The same trees at the end of a step, for its rows there.
+    ahead: Option<Trees>,
     /// Candidates where a step begins, and where it ends.
     pub(crate) now: Contacts,
     pub(super) next: Contacts,
@@ -115,6 +117,7 @@ impl Crowd {
             resting: Resting::new(&trees, count, restless),
             woken: false,
             trees,
+            ahead: None,
             now: Contacts::default(),
             next: Contacts::default(),
             clearances: Clearances::default(),
@@ -205,9 +208,9 @@ impl Crowd {
         self.free_to_move(start, 0.5 * step)?;
         let mut displacement = std::mem::take(&mut self.displacement);
         for attempt in 0..=AGAIN {
-            let Crowd { trees, now, room, bodies, free, resting, .. } = self;
+            let Crowd { trees, ahead, now, room, bodies, free, resting, .. } = self;
             let moving = Moving { scene, start, step, free, resting };
-            let found = move_on(trees, now, &moving, room, &mut displacement, state, bodies);
+            let found = move_on(trees, now, &moving, (room, ahead), &mut displacement, state, bodies);
             made.residual = made.residual.max(found.residual);
             made.unsolved += found.unsolved;
             self.take_displacement(whole, start, state, step, &mut displacement);
