@@ -248,7 +248,9 @@ impl Contacts {
                 self.rows.go_back(mark);
                 continue;
             }
-            self.list.swap(kept, number);
+            if kept < number {
+                self.list.swap(kept, number);
+            }
             self.list[kept].sides = sides.map(|side| side.filter(|side| !asleep.has(side.tree)));
             kept += 1;
         }
