@@ -44,6 +44,11 @@ impl Pattern {
             offsets.push(unknowns);
             unknowns += size;
         }
+        if count == 1 {
+            let (later, total) = (vec![Vec::new()], unknowns * unknowns);
+            let (order, diagonal, rank) = (vec![0], vec![0], vec![0]);
+            return Pattern { sizes, offsets, order, later, diagonal, rank, targets: Vec::new(), total };
+        }
         let mut joined: Vec<Vec<usize>> = vec![Vec::new(); count];
         for &(one, other) in edges.iter().filter(|(one, other)| one != other) {
             joined[one].push(other);

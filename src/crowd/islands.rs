@@ -11,15 +11,17 @@ pub struct Island {
     pub candidates: Vec<usize>,
 }
 
-/// The islands of this number of trees by candidates with their numbers, in the order of their lowest trees.
+/// The islands of this number of trees by candidates with their numbers, in the order of their lowest trees. Trees without candidates are left out.
 pub fn islands(count: usize, blocks: impl Iterator<Item = (usize, [Option<Side>; 2])> + Clone) -> Vec<Island> {
     let mut parents: Vec<usize> = (0..count).collect();
+    let mut pressed = vec![false; count];
     for (_, sides) in blocks.clone() {
         join(&mut parents, sides);
+        sides.iter().flatten().for_each(|side| pressed[side.tree] = true);
     }
     let mut numbers = vec![usize::MAX; count];
     let mut found: Vec<Island> = Vec::new();
-    for tree in 0..count {
+    for tree in (0..count).filter(|&tree| pressed[tree]) {
         let own = root(&mut parents, tree);
         if numbers[own] == usize::MAX {
             numbers[own] = found.len();

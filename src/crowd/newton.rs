@@ -18,7 +18,7 @@
 
 use crate::block_factors::Factors;
 use crate::laws::Response;
-use crate::problem::{Merit, Problem};
+use crate::problem::{Block, Merit, Problem};
 use crate::stall::Stall;
 use nalgebra::Vector3;
 use std::borrow::Borrow;
@@ -51,6 +51,14 @@ pub(crate) struct Centre {
 /// A flag that is set from outside when the result is not wanted any more.
 pub type Interrupt = Arc<dyn Borrow<AtomicBool> + Send + Sync>;
 
+/// The blocks of an island that take part, and their numbers and impulses.
+#[derive(Clone, Default)]
+pub(crate) struct Parts {
+    pub part: Vec<usize>,
+    pub own: Vec<Vector3<f64>>,
+    pub blocks: Vec<Block>,
+}
+
 /// Room for the iterations of any island, and their count.
 #[derive(Clone, Default)]
 pub struct Workspace {
@@ -58,6 +66,7 @@ pub struct Workspace {
     pub iterations: usize,
     /// Once it is set, iterations end, wherever they are.
     pub interrupt: Option<Interrupt>,
+    pub(crate) parts: Parts,
     pub(crate) direction: Vec<f64>,
     /// u, and the changes of u and r of a whole step.
     pub(crate) rates: Vec<Vector3<f64>>,

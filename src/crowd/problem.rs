@@ -259,13 +259,15 @@ impl<'p> Problem<'p> {
     pub fn add_to_matrix(&self, number: usize, stiffness: &[[f64; 3]; 3], factors: &mut Factors) {
         let block = &self.blocks[number];
         let rows = block.law.rows();
-        for one in block.sides.iter().flatten() {
-            let left = self.rows.rows(one);
-            for other in block.sides.iter().flatten() {
+        for other in block.sides.iter().flatten() {
+            let right = self.rows.rows(other);
+            let pulled = right.1.first_chunk::<18>().filter(|_| rows == 3 && other.free);
+            let pulled = pulled.map(|right| pull_six(stiffness, right));
+            for one in block.sides.iter().flatten() {
+                let left = self.rows.rows(one);
                 let (row, column) = (self.places[one.tree], self.places[other.tree]);
                 let width = self.pattern.sizes[column];
                 let target = factors.block(&self.pattern, row, column);
-                let right = self.rows.rows(other);
                 let (high, wide) = (one.count, other.count);
                 if rows == 1 {
                     for (&i, x) in left.0.iter().zip(left.1) {
@@ -275,10 +277,10 @@ impl<'p> Problem<'p> {
                     }
                     continue;
                 }
-                if let (true, true, Ok(target)) = (one.free, other.free, <&mut [f64; 36]>::try_from(&mut *target))
-                    && let (Some(left), Some(right)) = (left.1.first_chunk::<18>(), right.1.first_chunk::<18>())
+                if let (true, Some(pulled), Ok(target)) = (one.free, &pulled, <&mut [f64; 36]>::try_from(&mut *target))
+                    && let Some(left) = left.1.first_chunk::<18>()
                 {
-                    add_six(target, left, stiffness, right);
+                    add_six(target, left, pulled);
                     continue;
                 }
                 for (place, &j) in right.0.iter().enumerate() {
@@ -295,14 +297,19 @@ impl<'p> Problem<'p> {
     }
 }
 
-/// Adds Lᵀ S R of two free bodies, each with three rows.
-fn add_six(target: &mut [f64; 36], left: &[f64; 18], stiffness: &[[f64; 3]; 3], right: &[f64; 18]) {
+/// S R of a free body with three rows.
+fn pull_six(stiffness: &[[f64; 3]; 3], right: &[f64; 18]) -> [[f64; 6]; 3] {
     let mut pulled = [[0.0; 6]; 3];
     for (sums, factors) in pulled.iter_mut().zip(stiffness) {
         for (inner, factor) in factors.iter().enumerate() {
             (0..6).for_each(|place| sums[place] += factor * right[6 * inner + place]);
         }
     }
+    pulled
+}
+
+/// Adds Lᵀ (S R) of two free bodies, each with three rows.
+fn add_six(target: &mut [f64; 36], left: &[f64; 18], pulled: &[[f64; 6]; 3]) {
     for i in 0..6 {
         let [x, y, z] = [left[i], left[6 + i], left[12 + i]];
         (0..6).for_each(|j| target[6 * i + j] += x * pulled[0][j] + y * pulled[1][j] + z * pulled[2][j]);

@@ -33,6 +33,12 @@ impl Rows {
         self.entries.clear();
     }
 
+    /// None, with room for as many.
+    #[must_use]
+    pub fn with_its_room(&self) -> Self {
+        Rows { columns: Vec::with_capacity(self.columns.len()), entries: Vec::with_capacity(self.entries.len()) }
+    }
+
     /// How many there are, by which they are forgotten from there on.
     pub fn mark(&self) -> [usize; 2] {
         [self.columns.len(), self.entries.len()]

@@ -7,7 +7,7 @@ use crate::centred::proximal_points;
 use crate::convex::rounds;
 use crate::effort::Effort;
 use crate::interior::interior;
-use crate::newton::{Workspace, newton};
+use crate::newton::{Parts, Workspace, newton};
 use crate::problem::{Block, Problem};
 use nalgebra::Vector3;
 
@@ -39,16 +39,18 @@ pub fn solve(
     let all = std::mem::take(&mut problem.blocks);
     let effort = Effort::of(all.len(), tolerance);
     let nearly = NEARLY * problem.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
-    let mut part: Vec<usize> = (0..all.len())
-        .filter(|&number| {
-            impulses[number] != Vector3::zeros() || problem.is_called(&all[number], &problem.free, nearly)
-        })
-        .collect();
+    let Parts { mut part, mut own, blocks } = std::mem::take(&mut room.parts);
+    problem.blocks = blocks;
+    part.clear();
+    part.extend((0..all.len()).filter(|&number| {
+        impulses[number] != Vector3::zeros() || problem.is_called(&all[number], &problem.free, nearly)
+    }));
     let (mut residual, mut within, mut stalled) = (0.0, tolerance.max(COARSE), false);
     for _ in 0..WIDENED {
         problem.blocks.clear();
         problem.blocks.extend(part.iter().map(|&number| all[number]));
-        let mut own: Vec<Vector3<f64>> = part.iter().map(|&number| impulses[number]).collect();
+        own.clear();
+        own.extend(part.iter().map(|&number| impulses[number]));
         let most = if stalled { AGAIN } else { NEWTON };
         residual = newton(problem, &mut own, v, [within, most], room);
         stalled = residual > within;
@@ -57,7 +59,7 @@ pub fn solve(
             residual = harder(problem, &mut own, residual, v, effort, room);
             more = called(problem, &all, &part, v);
         }
-        part.iter().zip(own).for_each(|(&number, impulse)| impulses[number] = impulse);
+        part.iter().zip(&own).for_each(|(&number, impulse)| impulses[number] = *impulse);
         if more.is_empty() {
             if residual <= tolerance || within <= tolerance {
                 break;
@@ -67,7 +69,8 @@ pub fn solve(
         part.extend(more);
         part.sort_unstable();
     }
-    problem.blocks = all;
+    let blocks = std::mem::replace(&mut problem.blocks, all);
+    room.parts = Parts { part, own, blocks };
     residual
 }
 

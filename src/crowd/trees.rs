@@ -117,16 +117,21 @@ impl Trees {
 
     /// Takes the poses of all bodies: the motions of the freedoms, and M in the rates that were chosen last.
     pub fn place(&mut self, mechanism: &Mechanism, bodies: &[BodyState]) {
-        self.place_closures(mechanism, bodies);
+        self.place_for_rows(mechanism, bodies);
         self.weigh(mechanism);
     }
 
-    /// The same without M.
-    fn place_closures(&mut self, mechanism: &Mechanism, bodies: &[BodyState]) {
+    /// The same without M, which rows do not need.
+    pub fn place_for_rows(&mut self, mechanism: &Mechanism, bodies: &[BodyState]) {
         self.place_motions(mechanism, bodies);
         for tree in 0..self.trees.len() {
             self.with_loops(tree, |closures, motions| closures.place(bodies, motions));
         }
+    }
+
+    /// Whether the independent rates of some trees are chosen.
+    pub fn have_choices(&self) -> bool {
+        self.trees.iter().any(|tree| tree.ways().is_some())
     }
 
     /// Whether some loops change with the positions.
@@ -175,7 +180,7 @@ impl Trees {
         }
         let mut there = self.clone();
         let closed = there.close(mechanism, state, bodies);
-        there.place_closures(mechanism, bodies);
+        there.place_for_rows(mechanism, bodies);
         there.complete(&mut state.velocity);
         closed
     }

@@ -43,6 +43,12 @@ pub fn manifold_along(both: &Both, closest: Candidate, near: f64) -> Vec<Candida
     if gap.is_nan() || gap >= near {
         return Vec::new();
     }
+    // Two points are one pair of features.
+    if let (Core::Polytope(a), Core::Polytope(b)) = (&both.a.core, &both.b.core)
+        && let ([_], [_]) = (&a.vertices[..], &b.vertices[..])
+    {
+        return vec![closest];
+    }
     places_in_slabs(both, closest, near, f64::INFINITY)
 }
 

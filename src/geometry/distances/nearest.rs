@@ -37,7 +37,7 @@ pub fn nearest(both: &Both) -> Option<Candidate> {
     if !is_finite(both) {
         return None;
     }
-    if let Some(found) = in_front_of_a_face(both) {
+    if let Some(found) = of_a_point(both) {
         return Some(found);
     }
     nearest_along(both, both.hint(&Vector3::zeros()))
@@ -48,7 +48,7 @@ fn is_finite(both: &Both) -> bool {
     both.translation.iter().chain(&both.rotation).all(|entry| entry.abs() < 1e150)
 }
 
-/// The same of two cores with a finite pose, neither of which is a point in front of a face, with the normal of GJK.
+/// The same of two cores with a finite pose, neither of which is a point beside a point or in front of a face, with the normal of GJK.
 fn nearest_along(both: &Both, hint: Option<Vector3<f64>>) -> Option<Candidate> {
     let mut best = Best::new(both);
     if let Some(normal) = hint {
@@ -125,9 +125,9 @@ pub fn distance_unless_deep(both: &Both) -> Option<f64> {
     nearest_along(both, hint).map(|found| found.distance())
 }
 
-/// The nearest points of a point, or of the centre of a ball, and a polytope with few faces, if a face is nearest: the one that the point is farthest in
-/// front of.
-fn in_front_of_a_face(both: &Both) -> Option<Candidate> {
+/// The nearest points of a point, or of the centre of a ball, and another one, or a polytope with few faces, if a face is nearest: the one that the point
+/// is farthest in front of.
+fn of_a_point(both: &Both) -> Option<Candidate> {
     let (Core::Polytope(a), Core::Polytope(b)) = (&both.a.core, &both.b.core) else { return None };
     let farthest = |polytope: &Polytope, point: Vector3<f64>| {
         let height = |face: &Face| face.normal.dot(&(point - polytope.vertices[face.corners[0]]));
@@ -137,6 +137,7 @@ fn in_front_of_a_face(both: &Both) -> Option<Candidate> {
     };
     let point = FeatureId::Vertex(0);
     let pair = match (&a.vertices[..], &b.vertices[..]) {
+        ([_], [_]) => [point; 2],
         (_, [of_b]) if a.faces.len() <= FEW_FACES => [farthest(a, both.of_b(of_b))?, point],
         ([of_a], _) if b.faces.len() <= FEW_FACES => {
             [point, farthest(b, both.rotation.tr_mul(&(of_a - both.translation)))?]
@@ -301,6 +302,7 @@ fn supports(both: &Both, (separation, normal): (f64, Vector3<f64>)) -> Candidate
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::distances::manifold::{manifold, places_in_slabs};
     use crate::shapes::convex::Convex;
     use crate::tests::scenes::{Numbers, cuboid};
     use catena_mechanism::description::contact::Shape;
@@ -322,7 +324,7 @@ mod tests {
                 search(&mut best, &both, &normal, &DEPTHS);
             }
             let searched = best.found().filter(|_| best.is_global());
-            match (in_front_of_a_face(&both), searched) {
+            match (of_a_point(&both), searched) {
                 (Some(found), Some(searched)) => {
                     faces += 1;
                     assert_eq!(found.features, searched.features, "round {round}");
@@ -334,6 +336,32 @@ mod tests {
             }
         }
         assert!(faces > 60 && others > 60, "{faces} {others}");
+    }
+
+    #[test]
+    fn two_balls_have_the_distance_and_the_place_of_the_search_to_the_last_bit() {
+        let ball = |radius: f64| {
+            let at = Pose::translation(0.01, -0.02, 0.03);
+            Convex::new(&Shape::Sphere { radius }, &at).expect("possible").expect("convex")
+        };
+        let (a, b) = (&ball(0.1), &ball(0.3));
+        let mut numbers = Numbers::new(8);
+        for round in 0..200 {
+            let pose = numbers.pose(0.6);
+            let both = Both { a, b, rotation: *pose.rotation.matrix(), translation: pose.translation.vector };
+            let mut best = Best::new(&both);
+            let normal = both.hint(&Vector3::zeros()).expect("centres are apart");
+            search(&mut best, &both, &normal, &DEPTHS);
+            let searched = best.found().expect("two points");
+            let found = of_a_point(&both).expect("two points");
+            let values = |found: &Candidate| (found.normal, found.points, found.features, found.separation);
+            assert_eq!(values(&found), values(&searched), "round {round}");
+            let near = found.distance() + 1e-3;
+            let places = [manifold(&both, near), places_in_slabs(&both, found, near, f64::INFINITY)];
+            for places in places {
+                assert_eq!(places.iter().map(values).collect::<Vec<_>>(), [values(&found)], "round {round}");
+            }
+        }
     }
 
     #[test]

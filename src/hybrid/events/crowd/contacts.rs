@@ -181,9 +181,11 @@ impl Contacts {
             let fastest = speeds.of(body, touching.pairs.reach_of(body));
             ROUNDED * (FASTER * step * fastest + 0.5 * fall)
         });
-        // Others part where some come near.
-        let parted = new && near.leave_out(&touching.pairs);
-        clearances.keep_near(parted);
+        if new {
+            // Others part where some come near.
+            let parted = near.leave_out(&touching.pairs);
+            clearances.keep_near(parted);
+        }
         for place in 0..clearances.near.pairs().len() {
             let pair = clearances.near.pairs()[place];
             let of = &touching.pairs[pair];
@@ -246,7 +248,9 @@ impl Contacts {
                 self.rows.go_back(mark);
                 continue;
             }
-            self.list.swap(kept, number);
+            if kept < number {
+                self.list.swap(kept, number);
+            }
             self.list[kept].sides = sides.map(|side| side.filter(|side| !asleep.has(side.tree)));
             kept += 1;
         }
@@ -255,7 +259,7 @@ impl Contacts {
 
     /// The rows of the same candidates where trees and bodies are at other places, each where it was in the rows here.
     pub fn rows_at(&self, scene: Scene, trees: &Trees, bodies: &[BodyState]) -> Rows {
-        let mut rows = Rows::default();
+        let mut rows = self.rows.with_its_room();
         for candidate in &self.list {
             candidate.add_rows(&mut rows, scene, trees, bodies);
         }

@@ -15,7 +15,6 @@ use crate::events::effects::resting::work_of_forces;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::energy::energy_with_forces;
-use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 
 /// A gain of this part of the energies is rounding.
@@ -29,6 +28,8 @@ pub(super) struct Energies {
     potential: Vec<f64>,
     kinetic: Vec<f64>,
     debt: Vec<f64>,
+    /// The energies of the whole where the step begins and where it ends (J).
+    total: [f64; 2],
 }
 
 impl Energies {
@@ -38,13 +39,14 @@ impl Energies {
             forces.joint_loads.is_empty() && forces.joint_courses.is_empty() && forces.gravity_compensations.is_empty();
         let on_links = forces.wrenches.is_empty() && forces.link_loads.is_empty() && forces.drags.is_empty();
         let together = !(in_joints && on_links && forces.point_springs.is_empty());
-        Energies { together, potential: Vec::new(), kinetic: Vec::new(), debt: Vec::new() }
+        Energies { together, potential: Vec::new(), kinetic: Vec::new(), debt: Vec::new(), total: [0.0; 2] }
     }
 
-    /// Takes the potential energies of a state.
+    /// Takes the energies of a state in which a step begins, and that places the bodies, where the last step did not end.
     pub fn place(&mut self, mechanism: &Mechanism, state: &State, bodies: &[BodyState], trees: &Trees) {
         self.debt.resize(trees.trees.len(), 0.0);
         self.potential = potentials(mechanism, state, bodies, trees);
+        self.total[1] = energy_with_forces(mechanism, &state.position, bodies).total();
     }
 
     /// The kinetic energy of rates (J).
@@ -52,8 +54,9 @@ impl Energies {
         kinetics(trees, velocity).iter().sum()
     }
 
-    /// Takes the kinetic energies where a step begins, with the trees placed there.
+    /// Takes the energies where a step begins, with the trees placed there.
     pub fn begin(&mut self, trees: &Trees, velocity: &[f64]) {
+        self.total[0] = self.total[1];
         self.kinetic = kinetics(trees, velocity);
     }
 
@@ -103,20 +106,20 @@ impl Energies {
         taken
     }
 
-    /// The energy that a step has lost beside a work (J).
-    pub fn lost(&self, mechanism: &Mechanism, start: &State, end: &State, work: f64) -> f64 {
-        let of = |state: &State| energy_with_forces(mechanism, &state.position, &body_states(mechanism, state)).total();
-        of(start) + work - of(end)
+    /// The energy that a step has lost beside a work (J), whose end places the bodies.
+    pub fn lost(&mut self, mechanism: &Mechanism, end: &State, bodies: &[BodyState], work: f64) -> f64 {
+        self.total[1] = energy_with_forces(mechanism, &end.position, bodies).total();
+        self.total[0] + work - self.total[1]
     }
 }
 
 /// ½ vᵀ M v of each tree (J).
 fn kinetics(trees: &Trees, velocity: &[f64]) -> Vec<f64> {
     let of = |tree: &Tree| {
-        let own: Vec<f64> = tree.freedoms.iter().map(|&freedom| velocity[freedom]).collect();
-        let mut momentum = vec![0.0; own.len()];
-        tree.add_mass(&own, &mut momentum);
-        0.5 * own.iter().zip(&momentum).map(|(rate, momentum)| rate * momentum).sum::<f64>()
+        let own = || tree.freedoms.iter().map(|&freedom| velocity[freedom]);
+        let rows = tree.mass.chunks_exact(tree.freedoms.len().max(1));
+        let momenta = rows.map(|row| row.iter().zip(own()).map(|(entry, rate)| entry * rate).sum::<f64>());
+        0.5 * own().zip(momenta).map(|(rate, momentum)| rate * momentum).sum::<f64>()
     };
     trees.trees.iter().map(of).collect()
 }

@@ -74,16 +74,19 @@ fn free_rates(
         if !tree.factor(time, damping, stiffness) {
             return None;
         }
-        let mut own: Vec<f64> = tree.freedoms.iter().map(|&freedom| accelerations[freedom]).collect();
         if tree.all.iter().any(|&freedom| damping[freedom] + stiffness[freedom] > 0.0) {
+            let own: Vec<f64> = tree.freedoms.iter().map(|&freedom| accelerations[freedom]).collect();
             let mut efforts = vec![0.0; own.len()];
             tree.add_mass(&own, &mut efforts);
             tree.gather(&change, &mut efforts);
             tree.solve(&mut efforts);
-            own = efforts;
-        }
-        for (rate, &freedom) in own.iter().zip(&tree.freedoms) {
-            free[freedom] = velocity[freedom] + time * rate;
+            for (rate, &freedom) in efforts.iter().zip(&tree.freedoms) {
+                free[freedom] = velocity[freedom] + time * rate;
+            }
+        } else {
+            for &freedom in &tree.freedoms {
+                free[freedom] = velocity[freedom] + time * accelerations[freedom];
+            }
         }
         tree.complete(free);
     }

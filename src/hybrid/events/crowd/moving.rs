@@ -61,7 +61,7 @@ pub(super) fn move_on(
     trees: &Trees,
     now: &mut Contacts,
     moving: &Moving,
-    room: &mut Workspace,
+    (room, ahead): (&mut Workspace, &mut Option<Trees>),
     displacement: &mut [f64],
     end: &mut State,
     bodies: &mut [BodyState],
@@ -89,8 +89,8 @@ pub(super) fn move_on(
         stuck: bool,
     }
     let at_end: [OnceCell<Rows>; ROUNDS] = std::array::from_fn(|_| OnceCell::new());
-    let pressing = found.iter().filter(|island| !island.candidates.is_empty());
-    let mut problems: Vec<(Own, &Island)> = pressing
+    let mut problems: Vec<(Own, &Island)> = found
+        .iter()
         .map(|island| {
             let block = |&number: &usize| {
                 let candidate = &contacts.list[number];
@@ -124,9 +124,12 @@ pub(super) fn move_on(
             (own, island)
         })
         .collect();
-    let mut ahead = None;
+    // The choice of rates is that of the trees here.
+    if trees.have_choices() {
+        *ahead = None;
+    }
     if problems.is_empty() {
-        let open = !place_end(moving, displacement, end, bodies, (trees, &mut ahead));
+        let open = !place_end(moving, displacement, end, bodies, (trees, ahead));
         return Solved { open, ..Solved::default() };
     }
     let mut closed = true;
@@ -140,11 +143,11 @@ pub(super) fn move_on(
             own.stuck |= own.residual > tolerance;
             trees.spread(&island.trees, &own.v, displacement);
         }
-        closed = place_end(moving, displacement, end, bodies, (trees, &mut ahead));
+        closed = place_end(moving, displacement, end, bodies, (trees, ahead));
         let mut back = false;
         if round < ROUNDS {
             let ahead = ahead.get_or_insert_with(|| trees.clone());
-            ahead.place(scene.whole, bodies);
+            ahead.place_for_rows(scene.whole, bodies);
             let rows = at_end[round].get_or_init(|| contacts.rows_at(scene, ahead, bodies));
             let open = problems.iter_mut().filter(|(own, _)| own.open);
             open.for_each(|(own, _)| own.problem.rows = rows);
@@ -191,7 +194,7 @@ pub(super) fn move_on(
             }
         }
         if back {
-            closed = place_end(moving, displacement, end, bodies, (trees, &mut ahead));
+            closed = place_end(moving, displacement, end, bodies, (trees, ahead));
         }
         if problems.iter().all(|(own, _)| !own.open) {
             break;

@@ -82,11 +82,9 @@ impl Rebounding<'_> {
             met += if round == 0 { part.len() } else { 0 };
             let sides = part.iter().map(|&number| (number, self.contacts.list[number].sides));
             for own in islands(self.trees.trees.len(), sides) {
-                if !own.candidates.is_empty() {
-                    let left = self.round(&own, &mut places, velocity, impulses, room);
-                    residual = residual.max(left);
-                    unsolved += usize::from(left > TOLERANCE);
-                }
+                let left = self.round(&own, &mut places, velocity, impulses, room);
+                residual = residual.max(left);
+                unsolved += usize::from(left > TOLERANCE);
             }
         }
         (met, residual, unsolved)

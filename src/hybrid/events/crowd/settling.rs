@@ -77,14 +77,13 @@ pub(super) fn settle(
             rebounding.rounds(struck.into_iter(), &mut rates, &mut rebounds, room);
         free.iter_mut().zip(rates.iter().zip(&middle)).for_each(|(free, (after, before))| *free += after - before);
     }
+    let (mut impulses, mut v, mut own) = (Vec::new(), Vec::new(), Vec::new());
     for island in &islands {
-        if island.candidates.is_empty() {
-            continue;
-        }
         island.trees.iter().enumerate().for_each(|(place, &tree)| places[tree] = place);
-        let freedoms: Vec<usize> =
-            island.trees.iter().flat_map(|&tree| trees.trees[tree].freedoms.iter().copied()).collect();
-        let before: Vec<f64> = freedoms.iter().map(|&freedom| start.velocity[freedom]).collect();
+        let gather = |from: &[f64], own: &mut Vec<f64>| {
+            own.clear();
+            own.extend(island.trees.iter().flat_map(|&tree| &trees.trees[tree].freedoms).map(|&freedom| from[freedom]));
+        };
         let block = |&number: &usize| {
             let candidate = &contacts.list[number];
             let law = candidate.law(scene.elements, step);
@@ -101,14 +100,15 @@ pub(super) fn settle(
         };
         let blocks = island.candidates.iter().map(block);
         let mut problem = Problem::new(trees, &contacts.rows, [&island.trees, &places], &free, blocks);
-        let mut impulses: Vec<Vector3<f64>> =
-            island.candidates.iter().map(|&number| contacts.list[number].settling).collect();
+        impulses.clear();
+        impulses.extend(island.candidates.iter().map(|&number| contacts.list[number].settling));
+        gather(&start.velocity, &mut own);
         for (place, &number) in island.candidates.iter().enumerate() {
             let candidate = &contacts.list[number];
             if !candidate.closes() || candidate.was_closed || rebounds[number] != Vector3::zeros() {
                 continue;
             }
-            let approach = problem.moved(place, &before).x;
+            let approach = problem.moved(place, &own).x;
             if approach < -slow {
                 settled.closed += 1;
                 // (A) has taken only a part of the approach from it.
@@ -116,21 +116,20 @@ pub(super) fn settle(
                 impulses[place] = candidate.moving * (approach / taken);
             }
         }
-        let mut v = Vec::new();
         let residual = solve(&mut problem, &mut impulses, &mut v, (TOLERANCE, true), room);
         settled.residual = settled.residual.max(residual);
         settled.unsolved += usize::from(residual > TOLERANCE);
         trees.spread(&island.trees, &v, velocity);
-        let moved: Vec<f64> = freedoms.iter().map(|&freedom| displacement[freedom]).collect();
+        gather(displacement, &mut own);
         for (place, (&number, impulse)) in island.candidates.iter().zip(&impulses).enumerate() {
             let (candidate, impulse) = (&contacts.list[number], impulse + rebounds[number]);
             if matches!(candidate.key, Key::Touch(..)) && candidate.was_closed {
-                let slip = problem.moved(place, &moved) + candidate.belt;
+                let slip = problem.moved(place, &own) + candidate.belt;
                 settled.friction -= impulse.y * slip.y + impulse.z * slip.z;
             }
         }
         let sums =
-            island.candidates.iter().zip(impulses).map(|(&number, impulse)| (number, impulse + rebounds[number]));
+            island.candidates.iter().zip(&impulses).map(|(&number, impulse)| (number, impulse + rebounds[number]));
         kept.extend(sums);
     }
     for candidate in &mut next.list {

@@ -23,7 +23,7 @@ use crate::events::crowd::speeds::Speeds;
 use crate::mechanism::description::body_state::{BodyState, WORLD};
 use crate::mechanism::description::closure::Mimic;
 use crate::mechanism::description::mechanism::Mechanism;
-use crate::mechanism::motion::kinematics::place_bodies;
+use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
 use std::collections::BTreeSet;
 
@@ -40,6 +40,8 @@ pub(crate) type Forces<'f> = &'f mut dyn FnMut(&State, &mut [f64], &mut [f64]);
 #[derive(Clone)]
 pub(crate) struct Crowd {
     pub(super) trees: Trees,
+    /// The same trees at the end of a step, for its rows there.
+    ahead: Option<Trees>,
     /// Candidates where a step begins, and where it ends.
     pub(crate) now: Contacts,
     pub(super) next: Contacts,
@@ -115,6 +117,7 @@ impl Crowd {
             resting: Resting::new(&trees, count, restless),
             woken: false,
             trees,
+            ahead: None,
             now: Contacts::default(),
             next: Contacts::default(),
             clearances: Clearances::default(),
@@ -205,9 +208,9 @@ impl Crowd {
         self.free_to_move(start, 0.5 * step)?;
         let mut displacement = std::mem::take(&mut self.displacement);
         for attempt in 0..=AGAIN {
-            let Crowd { trees, now, room, bodies, free, resting, .. } = self;
+            let Crowd { trees, ahead, now, room, bodies, free, resting, .. } = self;
             let moving = Moving { scene, start, step, free, resting };
-            let found = move_on(trees, now, &moving, room, &mut displacement, state, bodies);
+            let found = move_on(trees, now, &moving, (room, ahead), &mut displacement, state, bodies);
             made.residual = made.residual.max(found.residual);
             made.unsolved += found.unsolved;
             self.take_displacement(whole, start, state, step, &mut displacement);
@@ -268,20 +271,20 @@ impl Crowd {
         }
         made.work = work.iter().sum();
         made.taken = self.energies.bound(&self.trees, whole, state, &self.bodies, &work, [&self.now, &self.next]);
-        made.lost = self.energies.lost(whole, start, state, made.work);
-        // A slip that stops in the step is not the one in its middle, nor a rate that an impact stops: dampers and friction take no more than is lost.
-        made.dissipated = made.dissipated.min(made.lost.max(0.0));
-        made.friction = found.friction.clamp(0.0, (made.lost - made.dissipated).max(0.0));
         made.candidates = self.next.list.len();
         made.iterations = self.room.iterations - iterations;
         let rates = self.speeds.rates().to_vec();
         self.displacement = displacement;
         self.finish(scene, state, step);
+        made.lost = self.energies.lost(whole, state, &self.bodies, made.work);
+        // A slip that stops in the step is not the one in its middle, nor a rate that an impact stops: dampers and friction take no more than is lost.
+        made.dissipated = made.dissipated.min(made.lost.max(0.0));
+        made.friction = found.friction.clamp(0.0, (made.lost - made.dissipated).max(0.0));
         made.kinetic = self.energies.kinetic_of(&self.trees, &state.velocity);
         made.held = self.held();
         if self.let_sleep(scene, forces, state, step, &rates) {
             // Their rates are zero from now on.
-            made.lost = self.energies.lost(whole, start, state, made.work);
+            made.lost = self.energies.lost(whole, state, &body_states(whole, state), made.work);
         }
         made.asleep = self.resting.is_all();
         let jumps = self.began.iter().zip(&self.bodies).map(|(before, now)| (now.velocity - before.velocity).norm());

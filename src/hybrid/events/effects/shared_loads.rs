@@ -8,7 +8,7 @@
 //! with which it presses, no contact would press, and the corners that slide would not be braked.
 
 use crate::events::modes::mode::{Closed, JointMode, Mode};
-use crate::instant::cone::apart::{parts_joined, with_unit_diagonal};
+use crate::instant::cone::apart::{parts_joined, parts_of, sub_matrix, with_unit_diagonal};
 use crate::instant::cone::sharing::implied;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Row, Rows, least_answer, row_of_freedom, rows_of_contact};
@@ -60,16 +60,20 @@ pub(super) fn shared_with_braked(
     shared
 }
 
-/// The rows of a response in parts that combinations without effect join.
+/// The rows of a response in parts that combinations without effect join: such a combination is one of rows that feel each other.
 fn parts_that_share(square: &DMatrix<f64>) -> Vec<Vec<usize>> {
     let least = least_answer(square);
     let answers: Vec<usize> = (0..square.nrows()).filter(|&row| square[(row, row)] > least).collect();
     let (scaled, _) = with_unit_diagonal(square, &answers);
-    let combinations = implied(scaled).unwrap_or_default();
-    let joins = |one: usize, other: usize| {
-        let together: f64 = combinations.iter().map(|combination| combination[one] * combination[other]).sum();
-        together.abs() > PART
-    };
-    let parts = parts_joined(answers.len(), joins).into_iter();
-    parts.map(|part| part.into_iter().map(|place| answers[place]).collect()).collect()
+    let mut found = Vec::new();
+    for rows in parts_of(&scaled) {
+        let combinations = implied(sub_matrix(&scaled, &rows)).unwrap_or_default();
+        let joins = |one: usize, other: usize| {
+            let together: f64 = combinations.iter().map(|combination| combination[one] * combination[other]).sum();
+            together.abs() > PART
+        };
+        let parts = parts_joined(rows.len(), joins).into_iter();
+        found.extend(parts.map(|part| part.into_iter().map(|place| answers[rows[place]]).collect()));
+    }
+    found
 }

@@ -12,7 +12,7 @@
 //! little.
 
 use crate::instant::cone::problem::{Answer, BlockState, Law, Problem, Unsolved};
-use crate::instant::cone::sharing::{of_vanishing_compliance, on_equal_springs};
+use crate::instant::cone::sharing::{on_equal_springs, with_vanishing_compliance};
 use crate::instant::cone::solve_apart;
 use crate::instant::holding::blocks::{Block, Of};
 use crate::mechanism::motion::contact_solvers::ContactSolvers;
@@ -35,7 +35,7 @@ pub(crate) fn solve_as_steps_share(
     {
         return Ok(solve_apart(&Problem { mobility: &shared, ..*problem }, solvers).unwrap_or(solved));
     }
-    Ok(of_vanishing_compliance(problem, &solved).unwrap_or(solved))
+    Ok(with_vanishing_compliance(problem, solved))
 }
 
 /// D' for the blocks of a decision; `None` if no normals imply others.

@@ -17,7 +17,7 @@
 //! squarely with both front wheels has a motion straight on, and two that are mirror images of each other. Compliances in all blocks that vanish
 //! together, from impulses of zero on, lead to the first: every step of Newton's method treats mirror images alike, and sweeps do not.
 
-use crate::instant::cone::apart::{parts_of, sub_matrix, with_unit_diagonal};
+use crate::instant::cone::apart::{parts_apart, parts_of, sub_matrix, with_unit_diagonal};
 use crate::instant::cone::cascade::{ACCEPTED, EVERYDAY, compliant, solve_to_part};
 use crate::instant::cone::least_norm::{least_norm, spread};
 use crate::instant::cone::newton::improve;
@@ -57,12 +57,42 @@ pub(super) fn solve_sharing(
     }
     let enough = solved.residual.max(ACCEPTED);
     let shared = shared(problem, part).filter(|found| found.residual <= enough);
-    Ok(shared.or_else(|| of_vanishing_compliance(problem, &solved)).unwrap_or(solved))
+    Ok(shared.or_else(|| of_vanishing_compliance(problem, &solved, fastest(problem))).unwrap_or(solved))
 }
 
-/// The answer behind those with a compliance in each block that vanishes, if it moves otherwise than one that was found, or more contacts bear; `None` if it
-/// is no other, or if there is one answer: with fewer than two contacts, where all stick, or where no rows imply others.
-pub(crate) fn of_vanishing_compliance(problem: &Problem, solved: &Answer) -> Option<Answer> {
+/// The answer behind those with a compliance in each block that vanishes, where it moves otherwise than the one that was found, or more contacts bear, and
+/// the one that was found elsewhere: part by part of a problem that falls apart.
+pub(crate) fn with_vanishing_compliance(problem: &Problem, mut solved: Answer) -> Answer {
+    let largest = fastest(problem);
+    let Some(parts) = parts_apart(problem) else {
+        return of_vanishing_compliance(problem, &solved, largest).unwrap_or(solved);
+    };
+    for part in parts {
+        let own = |values: &[f64]| part.rows.iter().map(|&row| values[row]).collect();
+        let of_part = Answer {
+            forces: own(&solved.forces),
+            rates: own(&solved.rates),
+            states: part.blocks.iter().map(|&block| solved.states[block]).collect(),
+            residual: solved.residual,
+        };
+        let Some(found) = of_vanishing_compliance(&part.problem(), &of_part, largest) else { continue };
+        for (place, &row) in part.rows.iter().enumerate() {
+            (solved.forces[row], solved.rates[row]) = (found.forces[place], found.rates[place]);
+        }
+        part.blocks.iter().zip(found.states).for_each(|(&block, state)| solved.states[block] = state);
+        solved.residual = solved.residual.max(found.residual);
+    }
+    solved
+}
+
+/// The largest free rate of a problem.
+fn fastest(problem: &Problem) -> f64 {
+    problem.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()))
+}
+
+/// The same of a problem as a whole, which is beside or among others with free rates up to `largest`; `None` if it is no other, or if there is one answer:
+/// with fewer than two contacts, where all stick, or where no rows imply others.
+fn of_vanishing_compliance(problem: &Problem, solved: &Answer, largest: f64) -> Option<Answer> {
     let contacts = |answer: &Answer| {
         let states = problem.laws.iter().zip(&answer.states).filter(|(law, _)| law.rows() > 1);
         states.map(|(_, state)| *state).collect::<Vec<BlockState>>()
@@ -77,7 +107,6 @@ pub(crate) fn of_vanishing_compliance(problem: &Problem, solved: &Answer) -> Opt
     let mut forces = compliant(&scaled);
     improve(&scaled, &mut forces, EVERYDAY);
     let found = settle(problem, &scaled, &forces);
-    let largest = problem.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
     let moves_alike = found.rates.iter().zip(&solved.rates).all(|(one, other)| (one - other).abs() <= ALIKE * largest);
     let open = |states: &[BlockState]| states.iter().filter(|state| **state == BlockState::Open).count();
     let is_other = !moves_alike || open(&contacts(&found)) < open(&states);
@@ -94,7 +123,7 @@ fn shared(problem: &Problem, part: f64) -> Option<Answer> {
     };
     let normals = starts.iter().zip(problem.laws).filter(|(_, law)| presses(law)).map(|(row, _)| *row);
     let normals: Vec<usize> = normals.filter(|&row| problem.mobility[(row, row)] > 0.0).collect();
-    let lifted = LIFTED * problem.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    let lifted = LIFTED * fastest(problem);
     let mut bearing = normals.clone();
     let mut near = None::<Vec<f64>>;
     for _ in 0..ROUNDS {

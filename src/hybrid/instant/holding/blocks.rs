@@ -72,6 +72,11 @@ impl From<Vec<f64>> for Row {
 }
 
 impl Row {
+    /// Its entries that are not zero, with their freedoms: a contact has some for those of two bodies and of what carries them.
+    fn acting(&self) -> Vec<(usize, f64)> {
+        self.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect()
+    }
+
     /// `u = w + W v` of this row.
     pub fn rate(&self, velocity: &[f64]) -> f64 {
         let rate: f64 = self.entries.iter().zip(velocity).map(|(a, b)| a * b).sum();
@@ -287,9 +292,7 @@ impl Rows {
     /// Rows at a state.
     pub fn new(response: &mut Response, state: &State, rows: Vec<Row>) -> Self {
         let columns = response.answers(state, &rows);
-        // A contact has entries for the freedoms of two bodies and of what carries them.
-        let entries = |row: &Row| row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();
-        let entries: Vec<Vec<(usize, f64)>> = rows.iter().map(entries).collect();
+        let entries: Vec<Vec<(usize, f64)>> = rows.iter().map(Row::acting).collect();
         let mut square = DMatrix::from_fn(rows.len(), rows.len(), |row, column| {
             entries[row].iter().map(|&(freedom, entry)| entry * columns[(freedom, column)]).sum::<f64>()
         });
@@ -310,8 +313,9 @@ impl Rows {
 
     /// W' Y Wᵀ: the rates along other rows that unit impulses along these give.
     pub fn responses(&self, others: &[Row]) -> DMatrix<f64> {
+        let entries: Vec<Vec<(usize, f64)>> = others.iter().map(Row::acting).collect();
         DMatrix::from_fn(others.len(), self.rows.len(), |row, column| {
-            others[row].iter().zip(self.columns.column(column).iter()).map(|(a, b)| a * b).sum()
+            entries[row].iter().map(|&(freedom, entry)| entry * self.columns[(freedom, column)]).sum()
         })
     }
 
