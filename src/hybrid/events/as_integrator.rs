@@ -73,7 +73,8 @@ impl Integrator for Eventful {
         if self.model.over_events.is_some() && !self.progress.in_crowd {
             self.begin_in_crowd(state);
         }
-        if let Some(outcome) = self.go_on_in_crowd(inputs, state, until) {
+        if let Some(mut outcome) = self.go_on_in_crowd(inputs, state, until) {
+            outcome.exchange += std::mem::take(&mut self.tally.lost_at_start);
             return Ok(outcome);
         }
         if self.progress.in_crowd {
@@ -138,6 +139,7 @@ impl Integrator for Eventful {
         };
         self.is_blocked(state.time)?;
         outcome.cost.add(&std::mem::take(&mut self.tally.abandoned));
+        outcome.exchange += std::mem::take(&mut self.tally.lost_at_start);
         // The remaining time is below the rounding of the time.
         if until - state.time < ONE_INSTANT * until.abs().max(1.0) && state.time != until {
             outcome.step += until - state.time;

@@ -227,7 +227,6 @@ impl Eventful {
                 self.check_covers(since);
             }
         }
-        outcome.exchange += std::mem::take(&mut self.tally.lost_at_start);
         self.remember(state);
         self.trial.wear_off();
         let changed = self.meet_instants(inputs, state);
