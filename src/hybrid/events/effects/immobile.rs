@@ -5,7 +5,8 @@
 //! ```
 //!
 //! If the rest is at most 1e-10 of Y_ii, the held rows determine the freedom. At a dead point of a loop the freedom turns round and moves on. Y_ii
-//! without held rows is zero there, a rounding of H⁻¹_ii, the answer without closures, and decides no freedom. A pair is idle if held rows keep its
+//! without held rows is zero there, a rounding of H⁻¹_ii, the answer without closures, and decides no freedom. Contacts that stick have dead points, too:
+//! what they determine is asked once more in a state beside, and a freedom that moves there is not held. A pair is idle if held rows keep its
 //! gap at zero and it does not press. An example is a wheel that touches a floor while its axle stands on the other wheel. Its gap has the roundings
 //! of the held gaps.
 
