@@ -2,7 +2,7 @@
 //! no events.
 
 use crate::common::scratch;
-use crate::scene_files::{apart, joint, report};
+use crate::scene_files::{apart, joint, report, scene_of};
 use catena::prelude::*;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -98,7 +98,6 @@ fn joints_on_limits_beside_hard_dampers_bear_their_loads_with_few_releases() {
 fn an_impact_in_the_first_step_after_a_corner_of_a_target_has_no_part_of_a_transient() {
     // At 0.3 s the target stops to change, and a damper of 2000 1/s stops the rate of the last hinge. The second link strikes the floor 0.073 s later:
     // steps are longer, and a run and a coarser one both went there in one step, with the same error of the rate, 1e-3 rad/s.
-    let folder = scratch("hard_dampers_corner");
     let links = [
         ("0 0 0", 3.5, [0.018, 0.023, 0.015], ""),
         (
@@ -115,7 +114,7 @@ fn an_impact_in_the_first_step_after_a_corner_of_a_target_has_no_part_of_a_trans
         ("0.19 -0.19 0.2", "-0.28 0.47 0.47", "0.84 0.0091 -0.51", 0.39),
         ("0.24 0.12 0.047", "-0.064 -0.98 0.76", "-0.063 -0.31 0.57", 0.0),
     ];
-    let mut urdf = "<robot name=\"arm\">".to_string();
+    let mut urdf = String::new();
     for (number, (center, mass, [x, y, z], shape)) in links.iter().enumerate() {
         write!(
             urdf,
@@ -133,15 +132,12 @@ fn an_impact_in_the_first_step_after_a_corner_of_a_target_has_no_part_of_a_trans
         )
         .expect("text");
     }
-    urdf.push_str("</robot>");
-    std::fs::write(folder.join("arm.urdf"), urdf).expect("a robot");
-    let scene = "[[robot]]\nurdf = \"arm.urdf\"\nbase = \"floating\"\npose = { position = [0, 0, 1.3], rpy = [-0.46, -0.42, -0.24] }\n\
+    let scene = "[[robot]]\nurdf = \"robot.urdf\"\nbase = \"floating\"\npose = { position = [0, 0, 1.3], rpy = [-0.46, -0.42, -0.24] }\n\
          velocity = { linear = [-0.18, 0.016, -1.2], angular = [1.1, -1, 1.7] }\npositions = { j1 = 0.24, j2 = 0.44, j3 = 0.63 }\n\
          velocities = { j1 = 0.17, j2 = -0.6 }\n[[motor]]\njoint = \"j3\"\nkind = \"velocity\"\ntarget = [[0, -0.38], [0.15, 0.6], [0.3, -1.5]]\n\
          interpolation = \"cubic\"\nkd = 1.8\nmax_effort = 1.4\n[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n\
          [contact]\nself_contact = false\nfriction = 0.55\nrestitution = 0.49\n";
-    let file = folder.join("scene.toml");
-    std::fs::write(&file, scene).expect("a scene");
+    let file = scene_of("hard_dampers_corner", &urdf, scene);
     let [ended, closer] = [1e-6, 1e-9].map(|tolerance| report(&file, &[], &[], Some(0.5), tolerance));
     let (off, accuracy) = (apart(&ended, &closer), ended.accuracy.as_ref().expect("an accuracy"));
     println!("{off:e} m apart, told {:e}", accuracy.estimated);

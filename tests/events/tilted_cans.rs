@@ -9,12 +9,17 @@ use std::path::PathBuf;
 
 /// A can on a floor, 60 mm wide and 120 mm high, with these roll and pitch angles (rad) and spin [rad/s], and what else is in the scene.
 fn scene(name: &str, [roll, pitch]: [f64; 2], spin: f64, other: &str) -> PathBuf {
-    let file = scratch(name).join("scene.toml");
     let text = format!(
         "[[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\n[contact]\nfriction = 0.6\n\
          [[body]]\nname = \"can\"\nshape = {{ type = \"cylinder\", radius = 0.06, length = 0.12 }}\nmass = 0.5\n\
          pose = {{ position = [0, 0, 0.06], rpy = [{roll:e}, {pitch:e}, 0] }}\nvelocity = {{ angular = [0, 0, {spin}] }}\n{other}"
     );
+    written(name, &text)
+}
+
+/// A scene file with this text, in a folder of its own.
+fn written(name: &str, text: &str) -> PathBuf {
+    let file = scratch(name).join("scene.toml");
     std::fs::write(&file, text).expect("a scene");
     file
 }
@@ -63,8 +68,7 @@ fn an_impact_at_the_start_is_in_the_balance_of_a_first_step_of_first_order() {
          [[body]]\nname = \"roll\"\nshape = { type = \"cylinder\", radius = 0.05, length = 0.3 }\nmass = 1\n\
          pose = { position = [-0.05, 0, 0.17], rpy = [0, 1.5707963267948966, 0] }\nvelocity = { linear = [0, 0.2, 0] }\n\
          [simulation]\nestimate = false\n";
-    let file = scratch("tilted_cans_impact").join("scene.toml");
-    std::fs::write(&file, text).expect("a scene");
+    let file = written("tilted_cans_impact", text);
     let ended = report(&file, &[], &[], Some(1e-4), 1e-5);
     println!("{:?}", ended.energy);
     // 0.0688 J were lost one step later than the velocities changed, which is 9 % of the kinetic energy.
@@ -73,10 +77,9 @@ fn an_impact_at_the_start_is_in_the_balance_of_a_first_step_of_first_order() {
 
 #[test]
 fn a_run_whose_numbers_overflow_ends_with_an_error_that_names_the_joint() {
-    let file = scratch("tilted_cans_overflow").join("scene.toml");
     let text = "[scene]\ngravity = [0, 0, -1e300]\n[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n\
          [[body]]\nname = \"can\"\nshape = { type = \"cylinder\", radius = 0.06, length = 0.12 }\nmass = 0.5\npose = { position = [0, 0, 5] }\n";
-    std::fs::write(&file, text).expect("a scene");
+    let file = written("tilted_cans_overflow", text);
     let model = Model::load(&file).expect("a model");
     // Steps over events, and of the scheme: what is no number was reported, without an error.
     for simulation in [Simulation::new(&model).tolerance(1e-3), Simulation::new(&model).fixed(3, 1e-3)] {

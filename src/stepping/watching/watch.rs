@@ -155,7 +155,7 @@ impl Watch {
     /// Whether dampers are too hard for a step (s), as far as is known: half as hard as dampers that reverse a velocity in each step.
     pub fn is_too_hard(&self, step: f64) -> bool {
         let s = self.tableau.stages as f64;
-        self.decays.iter().any(|decay| step * decay > s * (s - 1.0))
+        step * self.hardest() > s * (s - 1.0)
     }
 
     /// The rate at which the hardest damper stops something, as far as is known [1/s].

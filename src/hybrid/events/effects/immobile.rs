@@ -6,7 +6,7 @@
 //!
 //! If the rest is at most 1e-10 of Y_ii, the held rows determine the freedom. At a dead point of a loop the freedom turns round and moves on. Y_ii
 //! without held rows is zero there, a rounding of H⁻¹_ii, the answer without closures, and decides no freedom. Contacts that stick have dead points, too:
-//! what they determine is asked once more in a state beside, and a freedom that moves there is not held. A pair is idle if held rows keep its
+//! a freedom that they determine is asked once more in a state beside, and is not held if it moves there. A pair is idle if held rows keep its
 //! gap at zero and it does not press. An example is a wheel that touches a floor while its axle stands on the other wheel. Its gap has the roundings
 //! of the held gaps.
 
@@ -110,66 +110,67 @@ pub(crate) fn held_bodies(
     let inverse = pseudo_inverse(&rows.square);
     let rest = |body: &usize| !held[*body] && (sticks || whole.bodies[*body].joint.velocity_range().len() == 1);
     let others: Vec<usize> = (0..whole.bodies.len()).filter(rest).collect();
-    let mut immobile = immobile_among(whole, response, state, &others, &rows, &inverse);
+    let mut immobile = immobile_among(whole, response, state, others, &rows, &inverse);
     // Contacts that stick have dead points, too: a freedom that they hold here alone moves on.
-    if sticks && whole.loops.is_empty() && !immobile.is_empty() {
-        let bodies: Vec<usize> = others.into_iter().filter(|body| held_in(&immobile, whole, *body)).collect();
-        if let Some(beside) = beside(whole, state, &rows, &inverse) {
-            let rows = Rows::new(response, &beside, rows_at(&beside));
-            let inverse = pseudo_inverse(&rows.square);
-            let there = immobile_among(whole, response, &beside, &bodies, &rows, &inverse);
-            immobile.retain(|(freedom, _)| there.iter().any(|(other, _)| other == freedom));
-        }
+    if sticks
+        && whole.loops.is_empty()
+        && let Some(beside) = beside(whole, state, &rows, &inverse, &immobile)
+    {
+        let bodies: Vec<usize> = immobile.iter().map(|(body, _)| *body).collect();
+        let rows = Rows::new(response, &beside, rows_at(&beside));
+        let inverse = pseudo_inverse(&rows.square);
+        let there = immobile_among(whole, response, &beside, bodies, &rows, &inverse);
+        immobile.retain(|(body, _)| there.iter().any(|(other, _)| other == body));
     }
-    immobile.iter().filter_map(|(freedom, _)| whole.body_of_freedom(*freedom)).for_each(|body| held[body] = true);
-    for freedom in rounded(whole, state, &immobile) {
+    immobile.iter().for_each(|(body, _)| held[*body] = true);
+    let answers: Vec<(usize, f64)> = immobile.into_iter().flat_map(|(_, answers)| answers).collect();
+    for freedom in rounded(whole, state, &answers) {
         whole.body_of_freedom(freedom).into_iter().for_each(|body| held[body] = false);
     }
     held
 }
 
-/// The freedoms of the bodies among these that held rows determine in a state, with their answers `Y_ii`; all freedoms of a body, or none.
+/// The bodies whose freedoms are all determined by held rows in a state, each with its freedoms and their answers `Y_ii`.
 fn immobile_among(
     whole: &Mechanism,
     response: &mut Response,
     state: &State,
-    bodies: &[usize],
+    bodies: Vec<usize>,
     rows: &Rows,
     inverse: &DMatrix<f64>,
-) -> Vec<(usize, f64)> {
-    let freedoms = bodies.iter().flat_map(|&body| whole.bodies[body].joint.velocity_range());
-    let mut answers = response.diagonal(state, freedoms).into_iter();
-    let mut immobile = Vec::new();
-    for &body in bodies {
-        let own: Vec<(usize, f64)> = whole.bodies[body].joint.velocity_range().zip(answers.by_ref()).collect();
-        let determined = |&(freedom, answer): &(usize, f64)| {
-            cannot_move(answer, rows.columns().view((freedom, 0), (1, inverse.ncols())), inverse)
-        };
-        if own.iter().all(determined) {
-            immobile.extend(own);
-        }
-    }
-    immobile
+) -> Vec<(usize, Vec<(usize, f64)>)> {
+    let range = |body: usize| whole.bodies[body].joint.velocity_range();
+    let mut answers = response.diagonal(state, bodies.iter().flat_map(|&body| range(body))).into_iter();
+    let determined = |&(freedom, answer): &(usize, f64)| {
+        cannot_move(answer, rows.columns().view((freedom, 0), (1, inverse.ncols())), inverse)
+    };
+    let all = bodies.into_iter().map(|body| (body, range(body).zip(answers.by_ref()).collect::<Vec<_>>()));
+    all.filter(|(_, own)| own.iter().all(determined)).collect()
 }
 
-/// Whether the freedoms of a body are among these.
-fn held_in(immobile: &[(usize, f64)], whole: &Mechanism, body: usize) -> bool {
-    let own = whole.bodies[body].joint.velocity_range();
-    immobile.iter().any(|(freedom, _)| own.contains(freedom))
-}
-
-/// A state beside this one, where a motion leads that held rows leave free, without a preferred direction; `None` if they leave none.
+/// A state beside this one: a motion without a preferred direction leads there, which held rows leave free. `None` if no row has both a freedom that
+/// moves and one of an immobile body: the rows of immobile bodies are the same there.
 ///
 /// ```text
 ///     q ⊕ ε x,    x = r − Y Wᵀ (Y_SS)⁺ W r,    r_i = sin(1.7 i + 0.4)
 /// ```
-fn beside(whole: &Mechanism, state: &State, rows: &Rows, inverse: &DMatrix<f64>) -> Option<State> {
+fn beside(
+    whole: &Mechanism,
+    state: &State,
+    rows: &Rows,
+    inverse: &DMatrix<f64>,
+    immobile: &[(usize, Vec<(usize, f64)>)],
+) -> Option<State> {
+    if immobile.is_empty() {
+        return None;
+    }
     let mut motion: Vec<f64> = (0..state.velocity.len()).map(|freedom| (1.7 * freedom as f64 + 0.4).sin()).collect();
     let along = DVector::from_vec(rows.rates(&motion));
     let pushes = -(inverse * along);
     rows.add(pushes.as_slice(), &mut motion);
-    let largest = motion.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    if largest <= FREE {
+    let holds = |row: &Row| immobile.iter().flat_map(|(_, own)| own).any(|(freedom, _)| row[*freedom] != 0.0);
+    let moves = |row: &Row| row.iter().zip(&motion).any(|(entry, rate)| *entry != 0.0 && rate.abs() > FREE);
+    if !rows.rows().iter().any(|row| holds(row) && moves(row)) {
         return None;
     }
     let mut beside = state.clone();

@@ -6,7 +6,7 @@
 //!
 //! Bodies that stand beside each other on a floor do not feel each other's forces.
 
-use crate::instant::cone::problem::{Law, Problem};
+use crate::instant::cone::problem::{Answer, Law, Problem};
 use nalgebra::DMatrix;
 use std::ops::Range;
 
@@ -23,6 +23,26 @@ impl Part {
     /// The problem of the part alone.
     pub fn problem(&self) -> Problem<'_> {
         Problem { mobility: &self.mobility, free: &self.free, laws: &self.laws }
+    }
+
+    /// Its part of an answer of the whole.
+    pub fn answer_in(&self, whole: &Answer) -> Answer {
+        let own = |values: &[f64]| self.rows.iter().map(|&row| values[row]).collect();
+        Answer {
+            forces: own(&whole.forces),
+            rates: own(&whole.rates),
+            states: self.blocks.iter().map(|&block| whole.states[block]).collect(),
+            residual: whole.residual,
+        }
+    }
+
+    /// Puts its answer into the answer of the whole, and the residual if it is worse.
+    pub fn put_into(&self, whole: &mut Answer, own: &Answer) {
+        for (place, &row) in self.rows.iter().enumerate() {
+            (whole.forces[row], whole.rates[row]) = (own.forces[place], own.rates[place]);
+        }
+        self.blocks.iter().zip(&own.states).for_each(|(&block, state)| whole.states[block] = *state);
+        whole.residual = whole.residual.max(own.residual);
     }
 }
 

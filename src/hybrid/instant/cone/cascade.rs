@@ -191,11 +191,7 @@ pub(crate) fn solve_apart(problem: &Problem, solvers: &mut ContactSolvers) -> Re
             }
             Err(other) => return Err(other),
         };
-        for (place, &row) in part.rows.iter().enumerate() {
-            (answer.forces[row], answer.rates[row]) = (found.forces[place], found.rates[place]);
-        }
-        part.blocks.iter().zip(&found.states).for_each(|(&block, state)| answer.states[block] = *state);
-        answer.residual = answer.residual.max(found.residual);
+        part.put_into(&mut answer, &found);
     }
     if stopped { Err(Unsolved::Stopped { best: Box::new(answer) }) } else { Ok(answer) }
 }

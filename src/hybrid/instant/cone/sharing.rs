@@ -68,19 +68,9 @@ pub(crate) fn with_vanishing_compliance(problem: &Problem, mut solved: Answer) -
         return of_vanishing_compliance(problem, &solved, largest).unwrap_or(solved);
     };
     for part in parts {
-        let own = |values: &[f64]| part.rows.iter().map(|&row| values[row]).collect();
-        let of_part = Answer {
-            forces: own(&solved.forces),
-            rates: own(&solved.rates),
-            states: part.blocks.iter().map(|&block| solved.states[block]).collect(),
-            residual: solved.residual,
-        };
-        let Some(found) = of_vanishing_compliance(&part.problem(), &of_part, largest) else { continue };
-        for (place, &row) in part.rows.iter().enumerate() {
-            (solved.forces[row], solved.rates[row]) = (found.forces[place], found.rates[place]);
+        if let Some(found) = of_vanishing_compliance(&part.problem(), &part.answer_in(&solved), largest) {
+            part.put_into(&mut solved, &found);
         }
-        part.blocks.iter().zip(found.states).for_each(|(&block, state)| solved.states[block] = state);
-        solved.residual = solved.residual.max(found.residual);
     }
     solved
 }

@@ -73,7 +73,7 @@ impl From<Vec<f64>> for Row {
 
 impl Row {
     /// Its entries that are not zero, with their freedoms: a contact has some for those of two bodies and of what carries them.
-    fn acting(&self) -> Vec<(usize, f64)> {
+    pub(crate) fn acting(&self) -> Vec<(usize, f64)> {
         self.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect()
     }
 

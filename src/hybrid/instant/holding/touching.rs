@@ -112,17 +112,14 @@ impl Touching {
 
     /// The distance of a pair (m); negative where it overlaps.
     pub fn distance(&self, pair: usize, bodies: &[BodyState]) -> f64 {
-        let Pair { geometry, bodies: [a, b], rope, .. } = &self.pairs[pair];
-        if let Some(rope) = rope {
-            return rope.gap(bodies);
-        }
-        geometry.distance(&pose(*a, bodies), &pose(*b, bodies)).distance
+        let rope = self.pairs[pair].rope.as_ref();
+        rope.map_or_else(|| self.nearest(pair, bodies).distance, |rope| rope.gap(bodies))
     }
 
-    /// The distance of a pair, with the points that have it; `None` for ropes.
-    pub fn nearest(&self, pair: usize, bodies: &[BodyState]) -> Option<Distance> {
-        let Pair { geometry, bodies: [a, b], rope, .. } = &self.pairs[pair];
-        rope.is_none().then(|| geometry.distance(&pose(*a, bodies), &pose(*b, bodies)))
+    /// The distance of the shapes of a pair, with the points that have it.
+    pub fn nearest(&self, pair: usize, bodies: &[BodyState]) -> Distance {
+        let Pair { geometry, bodies: [a, b], .. } = &self.pairs[pair];
+        geometry.distance(&pose(*a, bodies), &pose(*b, bodies))
     }
 
     /// The distance of a pair (m) if it may be at most `within` (m), otherwise a lower bound that is larger than `within`.

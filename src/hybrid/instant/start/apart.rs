@@ -13,7 +13,7 @@
 
 use crate::instant::cone::bounded::minimise;
 use crate::instant::dynamics::response::Response;
-use crate::instant::holding::blocks::{row_of_force, row_of_freedom, rows_of_contact};
+use crate::instant::holding::blocks::{Row, row_of_force, row_of_freedom, rows_of_contact};
 use crate::instant::holding::near::Near;
 use crate::instant::holding::touching::Touching;
 use crate::instant::start::wedged::beside;
@@ -65,7 +65,8 @@ pub(crate) fn move_apart(
     let all = Near::within(pairs, &bodies, |body| NEARER * pairs.reach_of(body));
     for &pair in all.pairs() {
         let near = pairs[pair].within(NEAR).min(MOVES * depth);
-        if touching.distance_within(pair, &bodies, near) > near {
+        let distance = touching.distance_within(pair, &bodies, near);
+        if distance > near {
             continue;
         }
         let mut deepest = 0.0_f64;
@@ -75,11 +76,11 @@ pub(crate) fn move_apart(
             deepest = deepest.min(gap);
         }
         // Points on its rim stand for a flat end that is tilted by less than 1e-9 rad, and what is between them may be deeper.
-        let nearest = touching.nearest(pair, &bodies);
-        if let Some(nearest) = nearest.filter(|nearest| nearest.distance < deepest - pairs[pair].within(APART)) {
+        if distance < deepest - pairs[pair].within(APART) {
+            let nearest = touching.nearest(pair, &bodies);
             let middle = 0.5 * (nearest.points[0] + nearest.points[1]);
             rows.push(row_of_force(mechanism, &bodies, pairs[pair].bodies, &middle, &nearest.normal));
-            gaps.push(nearest.distance);
+            gaps.push(distance);
         }
     }
     if gaps.iter().all(|gap| *gap >= 0.0) {
@@ -95,8 +96,7 @@ pub(crate) fn move_apart(
         }
     }
     let columns = response.answers(state, &rows);
-    let entries: Vec<Vec<(usize, f64)>> =
-        rows.iter().map(|row| row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect()).collect();
+    let entries: Vec<Vec<(usize, f64)>> = rows.iter().map(Row::acting).collect();
     let answer = |row: usize, column: usize| {
         entries[row].iter().map(|&(freedom, entry)| entry * columns[(freedom, column)]).sum::<f64>()
     };

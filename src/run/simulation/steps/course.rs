@@ -12,6 +12,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::{Integrator, StepError, StepOutcome};
 use crate::mechanism::motion::kinematics::{body_states, place_bodies};
 use crate::mechanism::motion::state::State;
+use crate::reduced::ode::joint_of_entry;
 use crate::simulation::steps::clock::Clock;
 use crate::simulation::steps::observer::{Observer, ObserverError, Sample, any_looks_at_contacts, show};
 use crate::simulation::steps::summary::{Bookkeeper, KEPT_EVENTS, Summary};
@@ -62,16 +63,8 @@ pub enum RunError {
 
 /// The first joint with a position or velocity that is no finite number.
 fn joint_not_finite(mechanism: &Mechanism, state: &State) -> Option<String> {
-    let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
-    if finite(&state.position) && finite(&state.velocity) {
-        return None;
-    }
-    let joints = mechanism.bodies.iter().map(|body| &body.joint);
-    let mut bad = joints.filter(|joint| {
-        let moves = finite(&state.velocity[joint.velocity_range()]);
-        !(moves && finite(&state.position[joint.position_range()]))
-    });
-    bad.next().map(|joint| joint.name.clone())
+    let bad = state.position.iter().chain(&state.velocity).position(|value| !value.is_finite())?;
+    Some(joint_of_entry(mechanism, bad))
 }
 
 /// Runs `integrator` from `state` for `options.duration` and calls the observers.

@@ -73,8 +73,8 @@ impl Stepper {
         self.inside.ringing()
     }
 
-    /// What is left at the end of the last step of rates that hard dampers were about to stop at its start, if its top Legendre coefficient has this size
-    /// (rad, m): `15 E/h` [rad/s, m/s] if `h γ > 15`, and zero in shorter steps. Polynomials follow `e^{−γt}` in these alone.
+    /// The rates that hard dampers were about to stop at the start of the last step, as far as its end still has them, for a top Legendre coefficient of
+    /// this size (rad, m): `15 E/h` [rad/s, m/s] if `h γ > 15`, and zero in shorter steps. Polynomials follow `e^{−γt}` in these alone.
     pub fn left_rate(&self, legendre: f64) -> f64 {
         if self.damped && self.length * self.watch.hardest() > STOPPED { legendre * STOPPED / self.length } else { 0.0 }
     }
