@@ -55,6 +55,7 @@ mod costs;
 mod couplings;
 mod cranks;
 mod crowds;
+mod edges_on_edges;
 mod ellipsoids;
 mod exact;
 mod false_alarms;

@@ -16,6 +16,9 @@ use std::sync::OnceLock;
 const ASIDE: f64 = 1e-3;
 /// A neighbour with larger gaps [rad, and over the size of the loops] is not on the closures.
 const CLOSED: f64 = 1e-11;
+/// A state that is farther away than this is no neighbour, in the unit of [`ASIDE`]: closures may lead from a redundant position to another one, as two
+/// cards that lean on each other to two that lie flat, which have other ranks.
+const FAR: f64 = 100.0 * ASIDE;
 
 /// The ranks in a state and beside it, and the inertia lent to light freedoms there.
 #[derive(Clone, Debug)]
@@ -84,16 +87,26 @@ impl Counted {
         let aside: Vec<f64> = lengths.iter().enumerate().map(aside).collect();
         let mut neighbour = self.state.clone();
         neighbour.displace(mechanism, &aside);
+        let displaced = neighbour.clone();
+        let length = lengths.iter().fold(1.0_f64, |most, &length| most.max(length));
+        let is_near = |state: &State| {
+            let moved = state.position.iter().zip(&self.state.position).map(|(one, other)| (one - other).abs());
+            moved.fold(0.0, f64::max) <= FAR * length
+        };
         let mut start = Start::new(mechanism);
         let mut known = self.known_nearby();
         projection.heed(known.clone());
         let first = projection.positions(mechanism, &mut start, &mut neighbour).gap;
+        let went_far = !is_near(&neighbour);
+        if went_far {
+            neighbour = displaced;
+        }
         // If all equations are treated alike, a very redundant mechanism leaves roundings of the gaps. At a singular position, equations that are
         // implied only there are needed beside it.
         known.implied = self.ranks.implied.iter().map(|(_, implied)| *implied).collect();
         projection.heed(known);
-        let gap = if first <= CLOSED { first } else { projection.positions(mechanism, &mut start, &mut neighbour).gap };
-        let length = lengths.iter().fold(1.0_f64, |most, &length| most.max(length));
-        (gap <= CLOSED * length).then_some(neighbour)
+        let is_done = first <= CLOSED && !went_far;
+        let gap = if is_done { first } else { projection.positions(mechanism, &mut start, &mut neighbour).gap };
+        (gap <= CLOSED * length && is_near(&neighbour)).then_some(neighbour)
     }
 }

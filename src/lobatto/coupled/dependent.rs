@@ -43,6 +43,8 @@ pub(crate) struct Dependent {
     /// their first.
     floats: Vec<Vec<Signed>>,
     joints: Vec<JointColumn>,
+    /// Whether they lead around, from tree to tree.
+    around: bool,
     /// For every stage the columns of R, then of Q, one after the other. For every joint a bound of the square of its rate: with the force of the row in which
     /// it is largest, and the largest torque of all rows.
     columns: Vec<f64>,
@@ -114,6 +116,7 @@ impl Dependent {
             gaps: vec![0.0; rows.len()],
             implied: false,
             joints,
+            around: pairs.len() > 1,
         }
     }
 
@@ -122,9 +125,9 @@ impl Dependent {
         self.rows.iter().copied()
     }
 
-    /// Whether joints have a part in it.
-    pub fn is_through_joints(&self) -> bool {
-        !self.joints.is_empty()
+    /// Whether they are between two trees alone, without joints.
+    pub fn is_of_two_trees(&self) -> bool {
+        self.joints.is_empty() && !self.around
     }
 
     /// Whether some of them implied others where the gaps were seen last.

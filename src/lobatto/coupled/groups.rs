@@ -1,11 +1,13 @@
 //! The groups of equations between trees whose contacts slide, of which some may imply others ([`crate::coupled::dependent`]).
 //!
 //! ```text
-//!     nodes: the trees that float, and the world with all trees on it        edges: pairs of trees with equations between them, one of which slides
-//!     a part of this graph with as many edges as nodes, or more, leads around: one group.  Otherwise each edge is a group of its own
+//!     nodes: the trees that float, and the world with all trees on it        edges: pairs of trees that touch
+//!     edges on a circle with one that slides, joined by the trees that they share: one group.  Each other edge that slides: a group of its own
 //! ```
 //!
-//! A block between a wall and the jaw of a vice: the pairs (world, block) and (jaw, block) are two edges between two nodes.
+//! A block between a wall and the jaw of a vice: the pairs (world, block) and (jaw, block) are two edges between two nodes. Two cards that lean on each
+//! other and slide on a floor: the edge between them sticks, and is on a circle with the others. What an edge on no circle carries from one side to the
+//! other is determined, so that it shares no load with the rest.
 
 use catena_mechanism::description::contact::TouchJoint;
 use catena_mechanism::description::joint::JointKind;
@@ -43,42 +45,64 @@ pub(crate) fn sliding_groups(mechanism: &Mechanism, rows_of_closure: &[Range<usi
             None => found.push(Group { pairs: vec![pair], rows: of_these.collect() }),
         }
     }
-    let slide = |joint: &TouchJoint| trees_of(mechanism, [joint.a.body, joint.b.body]);
-    found.retain(|group| mechanism.rubbing().any(|joint| group.pairs == [slide(joint)]));
-    join_around(mechanism, found)
+    let pair = |joint: &TouchJoint| trees_of(mechanism, [joint.a.body, joint.b.body]);
+    found.retain(|group| mechanism.touches.iter().any(|joint| group.pairs == [pair(joint)]));
+    let slides = |pairs: &[Ends]| mechanism.rubbing().any(|joint| pairs.contains(&pair(joint)));
+    if !found.iter().any(|group| slides(&group.pairs)) {
+        return Vec::new();
+    }
+    let mut groups = join_around(mechanism, found);
+    groups.retain(|group| slides(&group.pairs));
+    groups
 }
 
-/// Puts the equations of all pairs together that lead from tree to tree, if they lead around: trees on the world count as the world, which ends the
-/// way. Pairs without sliding friction are not here: friction that holds shares no load with others
-/// (`doc/decisions/033-friction-that-holds.md`).
-fn join_around(mechanism: &Mechanism, mut found: Vec<Group>) -> Vec<Group> {
-    let floating = |group: &Group| floating_trees(mechanism, &group.pairs[0]).collect::<Vec<usize>>();
-    let mut joined: Vec<Group> = Vec::new();
-    while !found.is_empty() {
-        let first = found.remove(0);
-        let mut nodes = floating(&first);
-        let mut part = vec![first];
-        while let Some(next) = found.iter().position(|group| floating(group).iter().any(|own| nodes.contains(own))) {
-            let next = found.remove(next);
-            nodes.extend(floating(&next));
-            part.push(next);
-        }
-        nodes.sort_unstable();
-        nodes.dedup();
-        let on_world = part.iter().any(|group| floating(group).len() < 2);
-        // A graph without circles has one edge less than nodes.
-        if part.len() < nodes.len() + usize::from(on_world) {
-            joined.extend(part);
-            continue;
+/// Puts the equations of pairs on circles together, from tree to tree: trees on the world count as the world, which ends the way.
+fn join_around(mechanism: &Mechanism, found: Vec<Group>) -> Vec<Group> {
+    let nodes: Vec<Ends> = found
+        .iter()
+        .map(|group| group.pairs[0].map(|tree| tree.filter(|&first| is_floating(mechanism, first))))
+        .collect();
+    let on_circle: Vec<bool> = (0..nodes.len()).map(|edge| is_on_circle(&nodes, edge)).collect();
+    let mut left: Vec<usize> = (0..nodes.len()).collect();
+    let mut found: Vec<Option<Group>> = found.into_iter().map(Some).collect();
+    let mut joined = Vec::new();
+    while !left.is_empty() {
+        let mut part = vec![left.remove(0)];
+        let shares = |one: usize, other: usize| {
+            on_circle[one]
+                && on_circle[other]
+                && nodes[one].iter().flatten().any(|tree| nodes[other].contains(&Some(*tree)))
+        };
+        while let Some(next) = left.iter().position(|&other| part.iter().any(|&one| shares(one, other))) {
+            part.push(left.remove(next));
         }
         let mut around = Group { pairs: Vec::new(), rows: Vec::new() };
-        for Group { pairs, rows } in part {
+        for Group { pairs, rows } in part.into_iter().filter_map(|edge| found[edge].take()) {
             around.pairs.extend(pairs);
             around.rows.extend(rows);
         }
         joined.push(around);
     }
     joined
+}
+
+/// Whether a way along other edges leads from one node of an edge to its other node.
+fn is_on_circle(nodes: &[Ends], edge: usize) -> bool {
+    let [from, to] = nodes[edge];
+    let mut reached = vec![from];
+    let mut place = 0;
+    while let Some(&node) = reached.get(place) {
+        let others = nodes.iter().enumerate().filter(|(other, _)| *other != edge);
+        for (_, [one, other]) in others {
+            for (near, far) in [(one, other), (other, one)] {
+                if *near == node && !reached.contains(far) {
+                    reached.push(*far);
+                }
+            }
+        }
+        place += 1;
+    }
+    reached.contains(&to)
 }
 
 /// The trees at the ends of an equation, in order.
@@ -105,4 +129,27 @@ pub(crate) fn is_floating(mechanism: &Mechanism, body: usize) -> bool {
 /// A body and its ancestors, up to the first of its tree.
 pub(crate) fn ancestors(mechanism: &Mechanism, body: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(body), |&body| mechanism.bodies[body].parent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_on_circles_are_told_from_those_that_alone_join_two_sides() {
+        // Two bodies that lean on each other on the world, and a third on one of them; a body between the world and a tree on it; one body alone.
+        let nodes = [
+            [None, Some(0)],
+            [Some(0), Some(1)],
+            [None, Some(1)],
+            [Some(1), Some(2)],
+            [None, Some(3)],
+            [Some(3), None],
+            [None, Some(4)],
+        ];
+        let on_circle: Vec<bool> = (0..nodes.len()).map(|edge| is_on_circle(&nodes, edge)).collect();
+        assert_eq!(on_circle, [true, true, true, false, true, true, false]);
+        // Links of one tree that touch each other are a circle by themselves.
+        assert!(is_on_circle(&[[Some(0), Some(0)]], 0));
+    }
 }

@@ -41,7 +41,7 @@ pub const PROXIMAL: f64 = 1e-8;
 /// equations would make undetermined multipliers a million times as large as the constraint forces of the mechanism, and their roundings move it.
 pub const IMPLIED: f64 = 1e-2;
 
-/// ε of contacts of which some imply others through joints. The elimination rounds their gaps, and ε divides this rounding to a force that friction
+/// ε of contacts of which some imply others through joints or around several trees. The elimination rounds their gaps, and ε divides this rounding to a force that friction
 /// feels; a body alone has less rounding.
 pub const SHARED: f64 = 1e-6;
 
@@ -265,7 +265,7 @@ impl<V: Lanes> Coupled<V> {
         };
         let dependent = Dependent::all(mechanism, &rows_of_loop).into_iter();
         let dependent = dependent.map(|group| {
-            let part = if group.is_through_joints() { SHARED } else { PROXIMAL };
+            let part = if group.is_of_two_trees() { PROXIMAL } else { SHARED };
             let largest = group.rows().map(weight).fold(0.0, f64::max);
             (group, part * largest)
         });

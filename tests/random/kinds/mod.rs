@@ -6,6 +6,7 @@ mod edges;
 mod heaps;
 mod hinges;
 mod itself;
+mod leaning;
 mod locked;
 mod loops;
 mod robots;
@@ -52,7 +53,7 @@ pub fn scene(seed: u64) -> Scene {
     // Every other tree on a floor is a robot that falls on itself; every other block that slides lands first, one in eight slides off a table, and one in
     // eight turns over its edge; every
     // other ball that rolls is a cart, and one in four a body on tiles; a heap stands for every other stack, a limp robot for one of three pairs of robots, and one with followers for every
-    // other chain of them.
+    // other chain of them. Two cards that lean on each other stand for every fourth cradle.
     let (kind, make) = match KINDS[place] {
         ("tree on a floor", _) if turn % 2 == 1 => ("robot on itself", itself::robot as fn(&mut Draw, Scene) -> Scene),
         ("slides", _) if turn % 8 == 6 => {
@@ -63,6 +64,7 @@ pub fn scene(seed: u64) -> Scene {
         ("rolls", _) if turn % 4 == 2 => ("tiles", tiles::tiles as fn(&mut Draw, Scene) -> Scene),
         ("rolls", _) if turn % 2 == 1 => ("cart", carts::cart as fn(&mut Draw, Scene) -> Scene),
         ("stack", _) if turn % 2 == 1 => ("heap", heaps::heap as fn(&mut Draw, Scene) -> Scene),
+        ("cradle", _) if turn % 4 == 1 => ("leaning cards", leaning::leaning as fn(&mut Draw, Scene) -> Scene),
         ("followers", _) if turn % 2 == 1 => {
             ("limp with followers", heaps::limp_with_followers as fn(&mut Draw, Scene) -> Scene)
         }

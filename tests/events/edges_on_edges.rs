@@ -1,0 +1,137 @@
+//! Edges that lie on parallel edges: several normals separate two bodies, and roundings must not choose among them.
+//!
+//! ```text
+//!     gap = max over the normals n of sep(n):   of normals with equal gaps the one with the largest rate counts
+//! ```
+//!
+//! A body that slides flush over an edge passes, however the scene is turned. Of two cards that lean on each other, mirror images, each moves as one that
+//! leans on a smooth wall: the force between them has no part along the wall.
+
+use crate::common::scratch;
+use crate::scene_files::report;
+use catena::report::{LinkReport, Report};
+use nalgebra::{Rotation3, Vector3};
+use std::path::PathBuf;
+
+/// A scene file with this text, in a folder of its own.
+fn written(name: &str, text: &str) -> PathBuf {
+    let file = scratch(name).join("scene.toml");
+    std::fs::write(&file, text).expect("a scene");
+    file
+}
+
+fn link<'r>(ended: &'r Report, name: &str) -> &'r LinkReport {
+    &ended.links.iter().find(|(of, _)| of == name).expect("a link").1
+}
+
+/// A box of 0.1 m whose lower front edge lies on the edge of a slab, over which it slides at 1 m/s; all turned in the world. The slab has another one
+/// beside it, flush, and both lie on a floor under gravity, or there is neither.
+fn over_an_edge(turn: &Rotation3<f64>, on_floor: bool) -> String {
+    let (roll, pitch, yaw) = turn.euler_angles();
+    let place = |x: f64, y: f64, z: f64| {
+        let at = turn * Vector3::new(x, y, z) + Vector3::new(0.01, -0.02, 0.0);
+        format!("pose = {{ position = [{:?}, {:?}, {:?}], rpy = [{roll:?}, {pitch:?}, {yaw:?}] }}", at.x, at.y, at.z)
+    };
+    let along = turn * Vector3::x();
+    let gravity = if on_floor { 9.81 } else { 0.0 };
+    let mut text = format!(
+        "[scene]\ngravity = [0, 0, {:?}]\n[contact]\nfriction = 0.4\n\
+         [[body]]\nname = \"box\"\nshape = {{ type = \"box\", size = [0.1, 0.1, 0.1] }}\nmass = 1\n{}\n\
+         velocity = {{ linear = [{:?}, {:?}, {:?}] }}\n\
+         [[body]]\nname = \"slab\"\nshape = {{ type = \"box\", size = [0.4, 0.3, 0.1] }}\nmass = 4\n{}\n",
+        -gravity,
+        place(-0.05, 0.0, 0.15),
+        along.x,
+        along.y,
+        along.z,
+        place(0.2, 0.0, 0.05)
+    );
+    if on_floor {
+        text += &format!(
+            "[[body]]\nname = \"beside\"\nshape = {{ type = \"box\", size = [0.4, 0.3, 0.1] }}\nmass = 4\n{}\n\
+             [[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\n",
+            place(-0.2, 0.0, 0.05)
+        );
+    }
+    text
+}
+
+#[test]
+fn a_box_that_slides_flush_over_an_edge_passes_however_the_scene_is_turned() {
+    let duration = 0.15;
+    for number in 0..8 {
+        let turn =
+            Rotation3::from_euler_angles(0.3 * f64::from(number), -0.2 * f64::from(number), 1.1 * f64::from(number));
+        let file = written(&format!("edges_passes_{number}"), &over_an_edge(&turn, false));
+        let ended = report(&file, &[], &[], Some(duration), 1e-6);
+        let moved = Vector3::from(link(&ended, "box").position) - turn * Vector3::new(-0.05, 0.0, 0.15);
+        let off = (moved - Vector3::new(0.01, -0.02, 0.0) - turn * Vector3::x() * duration).norm();
+        assert!(off <= 1e-12, "turned {number}: {off:e} m off its straight way");
+        // Places that are rounded into each other meet by roundings; the blow on the edge took 0.22 J.
+        assert!(ended.energy.impacts.abs() <= 1e-11, "turned {number}: {:e} J", ended.energy.impacts);
+    }
+}
+
+#[test]
+fn a_box_that_starts_on_the_seam_of_two_slabs_slides_on() {
+    // It slows down by friction: s = v t − μ g t²/2; the slabs stick to the floor, whose friction holds 36 N.
+    let (duration, friction): (f64, f64) = (0.15, 0.4);
+    let way = duration - 0.5 * friction * 9.81 * duration * duration;
+    for number in 0..6 {
+        let turn = Rotation3::from_euler_angles(0.0, 0.0, 1.1 * f64::from(number));
+        let file = written(&format!("edges_seam_{number}"), &over_an_edge(&turn, true));
+        let ended = report(&file, &[], &[], Some(duration), 1e-6);
+        let moved = Vector3::from(link(&ended, "box").position) - turn * Vector3::new(-0.05, 0.0, 0.15);
+        let off = (moved - Vector3::new(0.01, -0.02, 0.0) - turn * Vector3::x() * way).norm();
+        // Ten tolerances.
+        assert!(off <= 1e-5, "turned {number}: {off:e} m off its way");
+        assert!(ended.energy.impacts.abs() <= 1e-9, "turned {number}: {:e} J", ended.energy.impacts);
+    }
+}
+
+/// A card of this thickness, width and height (m) that leans with its upper edge over x = 0, on the side of positive x if `side` is 1.
+fn card(name: &str, side: f64, tilt: f64, [thick, wide, high]: [f64; 3]) -> String {
+    let (sine, cosine) = tilt.to_radians().sin_cos();
+    let x = 0.5 * (thick * cosine + high * sine);
+    let z = 0.5 * (thick * sine + high * cosine);
+    format!(
+        "[[body]]\nname = \"{name}\"\nshape = {{ type = \"box\", size = [{thick:?}, {wide:?}, {high:?}] }}\nmass = 0.5\n\
+         pose = {{ position = [{:?}, 0, {z:?}], rpy = [0, \"{:?} deg\", 0] }}\n",
+        side * x,
+        -side * tilt
+    )
+}
+
+#[test]
+fn two_cards_that_lean_on_each_other_slide_as_one_at_a_smooth_wall() {
+    for (number, (tilt, size, floor, between)) in
+        [(17.0, [0.02, 0.6, 0.6], 0.1, 0.5), (14.0, [0.01, 0.3, 0.5], 0.05, 0.8), (25.0, [0.03, 0.2, 0.4], 0.15, 1.0)]
+            .into_iter()
+            .enumerate()
+    {
+        let ground = format!(
+            "[contact]\nfriction = {between:?}\n[[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\nfriction = {floor:?}\n"
+        );
+        let wall =
+            "[[obstacle]]\nname = \"wall\"\nshape = { type = \"half_space\", normal = [1, 0, 0] }\nfriction = 0\n";
+        let alone = ground.clone() + &card("right", 1.0, tilt, size) + wall;
+        let both = ground + &card("right", 1.0, tilt, size) + &card("left", -1.0, tilt, size);
+        let run = |name: &str, text: &str| report(&written(name, text), &[], &[], Some(0.3), 1e-6);
+        let alone = run(&format!("edges_wall_{number}"), &alone);
+        let both = run(&format!("edges_cards_{number}"), &both);
+        let right = link(&alone, "right");
+        assert!(right.linear_velocity[0] > 0.05, "it slides: {:?}", right.linear_velocity);
+        for (name, mirror) in [("right", 1.0), ("left", -1.0)] {
+            let found = link(&both, name);
+            let off = Vector3::from(found.position)
+                - Vector3::from(right.position).component_mul(&Vector3::new(mirror, 1.0, 1.0));
+            // Ten tolerances.
+            assert!(off.norm() <= 1e-5, "cards {number}: {name} is {:e} m off", off.norm());
+            let [w, x, y, z] = found.orientation;
+            let wanted = [right.orientation[0], 0.0, mirror * right.orientation[2], 0.0];
+            let turned = [w, x, y, z].iter().zip(wanted).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+            assert!(turned <= 1e-5, "cards {number}: {name} is turned by {turned:e}");
+        }
+        assert!(both.warnings.is_empty(), "cards {number}: {:?}", both.warnings);
+    }
+}
