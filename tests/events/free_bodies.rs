@@ -70,10 +70,10 @@ fn beyond_the_horizon_steps_over_events_take_over_whatever_the_tolerance() {
                   pose = { position = [0, 0, 0.6], rpy = [\"20 deg\", \"10 deg\", 0] }\ncount = 4\nspacing = [0.05, 0.02, 0.3]\n\
                   [[obstacle]]\nname = \"ramp\"\nshape = { type = \"box\", size = [3, 2, 0.1] }\n\
                   pose = { position = [0, 0, 0], rpy = [0, \"12 deg\", 0] }\n";
-    let end = report(&scene("bodies_horizon", crates), &[], &[], Some(0.9), 1e-6);
+    let end = report(&scene("bodies_horizon", crates), &[], &[], Some(0.7), 1e-6);
     let accuracy = end.accuracy.expect("an accuracy");
     assert!(!accuracy.reached && accuracy.holds_until < 0.45, "{accuracy:?}");
     // The crates tumble for most of the rest; nothing asks for exact events any more.
     let stepped_over = end.method.crowd.time_share * end.duration;
-    assert!(stepped_over > 0.4 * (0.9 - accuracy.holds_until), "{stepped_over} s");
+    assert!(stepped_over > 0.4 * (0.7 - accuracy.holds_until), "{stepped_over} s");
 }
