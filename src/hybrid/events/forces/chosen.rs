@@ -7,7 +7,7 @@
 //!
 //! in scaled rows, so that singularity does not depend on units.
 
-use crate::instant::cone::apart::{parts_joined, parts_of, sub_matrix};
+use crate::instant::cone::apart::{Groups, entries_of, parts_joined, parts_of, sub_matrix};
 use crate::instant::cone::least_norm::least_norm;
 use crate::instant::cone::problem::Law;
 use crate::instant::cone::sharing::implied;
@@ -73,18 +73,33 @@ impl Chosen {
 
     /// Whether no rows imply others.
     pub fn is_unique(&self, mobility: &DMatrix<f64>) -> bool {
-        is_regular(&self.square(mobility, false))
+        let all: Vec<usize> = (0..self.equations.len()).collect();
+        is_regular(&self.square(mobility, false, &all))
     }
 
-    /// D̃, or without friction its symmetric part of the same rows.
-    fn square(&self, mobility: &DMatrix<f64>, friction: bool) -> DMatrix<f64> {
-        let count = self.equations.len();
-        DMatrix::from_fn(count, count, |row, column| {
-            let (row, (column, pushes)) = (self.equations[row].0, &self.equations[column]);
+    /// D̃ of some equations, or without friction its symmetric part of the same rows.
+    fn square(&self, mobility: &DMatrix<f64>, friction: bool, own: &[usize]) -> DMatrix<f64> {
+        DMatrix::from_fn(own.len(), own.len(), |row, column| {
+            let (row, (column, pushes)) = (self.equations[own[row]].0, &self.equations[own[column]]);
             let along = mobility[(row, *column)];
             let pushes = pushes.iter().filter(|_| friction);
             pushes.fold(along, |along, (beside, factor)| along + factor * mobility[(row, *beside)])
         })
+    }
+
+    /// The equations in groups without any entry of D̃ between them; some of the groups may fall apart further.
+    fn groups(&self, mobility: &DMatrix<f64>) -> Vec<Vec<usize>> {
+        let mut rows = Groups::new(mobility.nrows());
+        entries_of(mobility, |row, column| rows.unite(row, column));
+        for (row, pushes) in &self.equations {
+            pushes.iter().for_each(|(beside, _)| rows.unite(*row, *beside));
+        }
+        let mut of_rows = vec![None; mobility.nrows()];
+        for (equation, (row, _)) in self.equations.iter().enumerate() {
+            of_rows[*row] = Some(equation);
+        }
+        let equations = |part: Vec<usize>| part.into_iter().filter_map(|row| of_rows[row]).collect::<Vec<_>>();
+        rows.parts().into_iter().map(equations).filter(|group| !group.is_empty()).collect()
     }
 
     /// The scales that give the symmetric part a unit diagonal, so that singularity does not depend on units; zero for rows that nothing answers to.
@@ -95,10 +110,14 @@ impl Chosen {
     }
 
     /// [`Chosen::square`], scaled.
-    fn scaled(&self, mobility: &DMatrix<f64>, friction: bool, scales: &[f64]) -> DMatrix<f64> {
-        let square = self.square(mobility, friction);
-        let entry = |row: usize, column: usize| square[(row, column)] * scales[row] * scales[column];
-        DMatrix::from_fn(square.nrows(), square.ncols(), entry)
+    fn scaled(&self, mobility: &DMatrix<f64>, friction: bool, scales: &[f64], own: &[usize]) -> DMatrix<f64> {
+        let mut square = self.square(mobility, friction, own);
+        for (column, &of_column) in own.iter().enumerate() {
+            for (row, &of_row) in own.iter().enumerate() {
+                square[(row, column)] = square[(row, column)] * scales[of_row] * scales[of_column];
+            }
+        }
+        square
     }
 
     /// The compliance that all contacts share: the mean over their normals.
@@ -143,33 +162,37 @@ impl Chosen {
             return Vec::new();
         }
         let scales = self.scales(mobility);
-        let scaled = self.scaled(mobility, true, &scales);
         let slides = !unique && self.equations.iter().any(|(_, pushes)| !pushes.is_empty());
-        let plain = slides.then(|| (self.scaled(mobility, false, &scales), self.even(mobility)));
-        let joins = |one: usize, other: usize| {
-            let joined = |matrix: &DMatrix<f64>| matrix[(one, other)] != 0.0 || matrix[(other, one)] != 0.0;
-            joined(&scaled) || plain.as_ref().is_some_and(|(plain, _)| joined(plain))
-        };
+        let even = slides.then(|| self.even(mobility));
         let mut solution = vec![0.0; count];
-        for part in parts_joined(count, joins) {
-            let own = sub_matrix(&scaled, &part);
-            let right =
-                DVector::from_fn(part.len(), |place, _| -offset[self.equations[part[place]].0] * scales[part[place]]);
-            let direct = if unique {
-                own.clone().lu().solve(&right)
-            } else if let Some((plain, even)) = &plain {
-                self.spread(&part, sub_matrix(plain, &part), &scales, *even).and_then(|[implied, weighed]| {
-                    let left = &right - &implied * (implied.transpose() * &right);
-                    (&own + implied * weighed.transpose()).lu().solve(&left)
-                })
-            } else {
-                None
+        for group in self.groups(mobility) {
+            let scaled = self.scaled(mobility, true, &scales, &group);
+            let plain = even.map(|even| (self.scaled(mobility, false, &scales, &group), even));
+            let joins = |one: usize, other: usize| {
+                let joined = |matrix: &DMatrix<f64>| matrix[(one, other)] != 0.0 || matrix[(other, one)] != 0.0;
+                joined(&scaled) || plain.as_ref().is_some_and(|(plain, _)| joined(plain))
             };
-            let direct = direct.filter(|solution| solution.iter().all(|value| value.is_finite()));
-            let found = direct.or_else(|| least_norm(&own, &right).map(|(solution, _)| solution));
-            found.into_iter().for_each(|found| {
-                part.iter().zip(found.iter()).for_each(|(&row, value)| solution[row] = *value);
-            });
+            for part in parts_joined(group.len(), joins) {
+                let (own, equations) = (sub_matrix(&scaled, &part), part.iter().map(|&place| group[place]));
+                let equations: Vec<usize> = equations.collect();
+                let right = equations.iter().map(|&row| -offset[self.equations[row].0] * scales[row]);
+                let right = DVector::from_iterator(part.len(), right);
+                let direct = if unique {
+                    own.clone().lu().solve(&right)
+                } else if let Some((plain, even)) = &plain {
+                    self.spread(&equations, sub_matrix(plain, &part), &scales, *even).and_then(|[implied, weighed]| {
+                        let left = &right - &implied * (implied.transpose() * &right);
+                        (&own + implied * weighed.transpose()).lu().solve(&left)
+                    })
+                } else {
+                    None
+                };
+                let direct = direct.filter(|solution| solution.iter().all(|value| value.is_finite()));
+                let found = direct.or_else(|| least_norm(&own, &right).map(|(solution, _)| solution));
+                found.into_iter().for_each(|found| {
+                    equations.iter().zip(found.iter()).for_each(|(&row, value)| solution[row] = *value);
+                });
+            }
         }
         let mut forces = vec![0.0; self.rows];
         for (index, (row, pushes)) in self.equations.iter().enumerate() {

@@ -89,14 +89,83 @@ pub(crate) fn with_unit_diagonal(matrix: &DMatrix<f64>, own: &[usize]) -> (DMatr
 
 /// The rows of a square matrix in parts without any entry between them.
 pub(crate) fn parts_of(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
-    parts_joined(matrix.nrows(), |row, column| matrix[(row, column)] != 0.0 || matrix[(column, row)] != 0.0)
+    let mut groups = Groups::new(matrix.nrows());
+    entries_of(matrix, |row, column| groups.unite(row, column));
+    groups.parts()
 }
 
-/// The blocks that feel each other, each with a range of rows, in the order of their first.
+/// The blocks that feel each other, each with a range of rows, in the order of their first; of a mobility whose zeros are symmetric.
 pub(crate) fn blocks_joined(mobility: &DMatrix<f64>, ranges: &[Range<usize>]) -> Vec<Vec<usize>> {
-    parts_joined(ranges.len(), |one, other| {
-        ranges[one].clone().any(|row| ranges[other].clone().any(|column| mobility[(row, column)] != 0.0))
-    })
+    let mut owners = vec![None; mobility.nrows()];
+    for (block, range) in ranges.iter().enumerate() {
+        owners[range.clone()].fill(Some(block));
+    }
+    let mut groups = Groups::new(ranges.len());
+    entries_of(mobility, |row, column| {
+        if let (Some(one), Some(other)) = (owners[row], owners[column]) {
+            groups.unite(one, other);
+        }
+    });
+    groups.parts()
+}
+
+/// Calls `found` for the row and the column of each entry of a matrix that is not zero.
+pub(crate) fn entries_of(matrix: &DMatrix<f64>, mut found: impl FnMut(usize, usize)) {
+    let rows = matrix.nrows().max(1);
+    for (column, entries) in matrix.as_slice().chunks_exact(rows).enumerate() {
+        // Most runs of a large matrix are empty.
+        for (run, entries) in entries.chunks(RUN).enumerate() {
+            if entries.iter().fold(false, |any, entry| any | (*entry != 0.0)) {
+                let entries = entries.iter().enumerate().filter(|(_, entry)| **entry != 0.0);
+                entries.for_each(|(place, _)| found(RUN * run + place, column));
+            }
+        }
+    }
+}
+
+/// Entries that are looked at together.
+const RUN: usize = 16;
+
+/// The numbers below a count in groups, which are united by pairs of their members.
+pub(crate) struct Groups {
+    /// For each number itself or a smaller one of its group.
+    before: Vec<usize>,
+}
+
+impl Groups {
+    /// Each number alone.
+    pub fn new(count: usize) -> Self {
+        Groups { before: (0..count).collect() }
+    }
+
+    /// The first number of the group of a number.
+    fn first(&mut self, mut number: usize) -> usize {
+        while self.before[number] != number {
+            self.before[number] = self.before[self.before[number]];
+            number = self.before[number];
+        }
+        number
+    }
+
+    /// Makes the groups of two numbers one.
+    pub fn unite(&mut self, one: usize, other: usize) {
+        let (one, other) = (self.first(one), self.first(other));
+        self.before[one.max(other)] = one.min(other);
+    }
+
+    /// The groups, each in order, in the order of their first.
+    pub fn parts(mut self) -> Vec<Vec<usize>> {
+        let (mut parts, mut places) = (Vec::<Vec<usize>>::new(), vec![0; self.before.len()]);
+        for number in 0..self.before.len() {
+            let first = self.first(number);
+            if first == number {
+                places[number] = parts.len();
+                parts.push(Vec::new());
+            }
+            parts[places[first]].push(number);
+        }
+        parts
+    }
 }
 
 /// The numbers below a count in parts that are joined, directly or by others; each part in order, and the parts in the order of their first.
@@ -127,11 +196,31 @@ pub(crate) fn parts_joined(count: usize, joins: impl Fn(usize, usize) -> bool) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::instant::cone::scenes::{Body, Scene};
+    use crate::instant::cone::scenes::{Body, Random, Scene};
     use crate::instant::cone::sharing::with_vanishing_compliance;
     use crate::instant::cone::{margin, solve, solve_apart};
     use crate::mechanism::motion::contact_solvers::ContactSolvers;
     use nalgebra::Vector3;
+
+    #[test]
+    fn parts_found_entry_by_entry_are_those_found_pair_by_pair() {
+        let mut random = Random::new(3);
+        for (count, entries) in [(0, 0), (1, 0), (40, 0), (40, 15), (40, 30), (90, 60), (90, 200)] {
+            let mut matrix = DMatrix::zeros(count, count);
+            for _ in 0..entries {
+                let mut place = || ((0.5 + 0.5 * random.signed()) * (count - 1) as f64) as usize;
+                let (row, column) = (place(), place());
+                (matrix[(row, column)], matrix[(column, row)]) = (-1e-30, 2.0);
+            }
+            let joins = |one: usize, other: usize| matrix[(one, other)] != 0.0;
+            assert_eq!(parts_of(&matrix), parts_joined(count, joins), "{entries} entries among {count} rows");
+            let ranges: Vec<Range<usize>> = (0..count).step_by(3).map(|row| row..count.min(row + 3)).collect();
+            let joins = |one: usize, other: usize| {
+                ranges[one].clone().any(|row| ranges[other].clone().any(|column| matrix[(row, column)] != 0.0))
+            };
+            assert_eq!(blocks_joined(&matrix, &ranges), parts_joined(ranges.len(), joins), "{entries} among {count}");
+        }
+    }
 
     #[test]
     fn blocks_without_mobility_between_them_are_problems_of_their_own_and_the_forces_are_in_their_rows() {

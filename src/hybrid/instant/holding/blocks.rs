@@ -13,6 +13,7 @@
 //! `r` along the rows change velocities and accelerations by `Y Wᵀ r`. Surfaces that move over their bodies add their velocity w to the rates along
 //! tangents, `u = W v + w`, and their drives do the work `−w · r`.
 
+use crate::instant::cone::apart::{Groups, entries_of};
 use crate::instant::cone::problem::Law;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::elements::Elements;
@@ -283,6 +284,22 @@ pub fn least_answer(square: &DMatrix<f64>) -> f64 {
     EMPTY * square.diagonal().iter().fold(0.0, |most: f64, own| most.max(*own))
 }
 
+/// Rows in parts that have no freedom in common, neither of their entries nor of their responses (n × m).
+fn rows_joined(entries: &[Vec<(usize, f64)>], columns: &DMatrix<f64>) -> Vec<Vec<usize>> {
+    let mut groups = Groups::new(entries.len());
+    // The first row with an entry for each freedom.
+    let mut first = vec![None; columns.nrows()];
+    for (row, entries) in entries.iter().enumerate() {
+        entries.iter().for_each(|&(freedom, _)| groups.unite(row, *first[freedom].get_or_insert(row)));
+    }
+    entries_of(columns, |freedom, row| {
+        if let Some(other) = first[freedom] {
+            groups.unite(row, other);
+        }
+    });
+    groups.parts()
+}
+
 impl Rows {
     /// The rows of blocks at a state.
     pub fn of(response: &mut Response, state: &State, blocks: &[Block]) -> Self {
@@ -293,14 +310,18 @@ impl Rows {
     pub fn new(response: &mut Response, state: &State, rows: Vec<Row>) -> Self {
         let columns = response.answers(state, &rows);
         let entries: Vec<Vec<(usize, f64)>> = rows.iter().map(Row::acting).collect();
-        let mut square = DMatrix::from_fn(rows.len(), rows.len(), |row, column| {
-            entries[row].iter().map(|&(freedom, entry)| entry * columns[(freedom, column)]).sum::<f64>()
-        });
-        // Symmetric to the last bit.
-        for column in 0..rows.len() {
-            for row in 0..column {
-                let mean = 0.5 * (square[(row, column)] + square[(column, row)]);
-                (square[(row, column)], square[(column, row)]) = (mean, mean);
+        let mut square = DMatrix::zeros(rows.len(), rows.len());
+        for part in rows_joined(&entries, &columns) {
+            let entry = |row: usize, column: usize| -> f64 {
+                entries[row].iter().map(|&(freedom, entry)| entry * columns[(freedom, column)]).sum()
+            };
+            for (place, &column) in part.iter().enumerate() {
+                square[(column, column)] = entry(column, column);
+                for &row in &part[..place] {
+                    // Symmetric to the last bit.
+                    let mean = 0.5 * (entry(row, column) + entry(column, row));
+                    (square[(row, column)], square[(column, row)]) = (mean, mean);
+                }
             }
         }
         Rows { rows, columns, square }
