@@ -117,6 +117,8 @@ pub(crate) struct Joint {
     pub spring: Option<(f64, f64)>,
     /// Time constant (s) and damping ratio, from which stiffness and damping follow, and where the spring is free.
     pub spring_damper: Option<[f64; 3]>,
+    /// Its `springref`, counted as here.
+    pub rest: f64,
     /// Whom it follows: the leader, the multiplier and the offset.
     pub mimic: Option<(String, f64, f64)>,
     pub line: usize,
