@@ -1,4 +1,4 @@
-//! Flags of `<option>` and ranges without a flag.
+//! Flags of `<option>`, ranges without a flag, and frames of free bodies in keyframes.
 
 use crate::common::command;
 use catena::session::Model;
@@ -77,4 +77,49 @@ fn ranges_without_a_flag_bound_nothing_where_they_are_empty_and_are_told_where_n
     let motor = &model.description().mechanism.nonsmooth.motors[0];
     // −kv u q̇ at u = 0.5.
     assert_eq!(motor.effort(0.0, q[0], v[0]), -1.0);
+}
+
+#[test]
+fn keyframes_of_aligned_free_bodies_are_about_their_inertial_frames() {
+    let text = |compiler: &str, joint: &str, body: &str| {
+        format!(
+            "<mujoco>{compiler}<worldbody><body name='l' pos='9 9 9'>{joint}{body}</body></worldbody>
+             <keyframe><key name='k' qpos='.1 .2 .3 .8 .6 0 0' qvel='1 2 3 .4 .5 .6'/></keyframe></mujoco>"
+        )
+    };
+    let tilted = "<geom type='box' size='.1 .2 .3' pos='.1 .2 .05' euler='0 30 40'/>";
+    let given = "<inertial mass='2' pos='.1 .2 .3' quat='.6 .8 0 0' diaginertia='.1 .2 .15'/>";
+    let (align, free, all) = ("<freejoint align='true'/>", "<freejoint/>", "<compiler alignfree='true'/>");
+    // Position and velocity of the origin of the body from MuJoCo 4.0.0; the spin in the world is the same for all.
+    let cases = [
+        (
+            text("", align, tilted),
+            [-0.07574780567622727, 0.25775798847752424, 0.16480856696143334],
+            [1.0215162882713793, 1.9401919951372313, 2.9464771521161746],
+        ),
+        (text(all, free, given), [0.0, -0.12992, 0.15456], [1.2772, 1.993376, 2.824432]),
+        (text(all, "<freejoint align='false'/>", tilted), [0.1, 0.2, 0.3], [1.0, 2.0, 3.0]),
+        // A body with a child stays as it is.
+        (text("", align, &format!("{tilted}<body><geom size='.01'/></body>")), [0.1, 0.2, 0.3], [1.0, 2.0, 3.0]),
+    ];
+    for (number, (text, position, velocity)) in cases.iter().enumerate() {
+        let scene = super::read_at("mjcf_align", text, Some("k")).expect("a scene");
+        let robot = &scene.robots[0];
+        let wanted: Vec<f64> = velocity.iter().chain(&[0.4, -0.436, 0.648]).copied().collect();
+        let (own, _) = robot.velocity.expect("a velocity");
+        assert!(own.iter().zip(&wanted).all(|(own, wanted)| (own - wanted).abs() < 1e-14), "{number}: {own:?}");
+        let at = robot.pose.translation.vector;
+        assert!(at.iter().zip(position).all(|(own, wanted)| (own - wanted).abs() < 1e-14), "{number}: {at}");
+        assert!(
+            scene.warnings.iter().all(|line| !line.to_string().contains("inertial frame")),
+            "{:#?}",
+            scene.warnings
+        );
+    }
+    let several = text("", align, &format!("{tilted}<geom size='.1' pos='1 0 0'/>"));
+    let scene = super::read_at("mjcf_align", &several, Some("k")).expect("a scene");
+    let said = "model.xml:2: the keyframe gives the inertial frame of body \"l\", as align or alignfree says; it is read as the frame of the body";
+    assert!(scene.warnings.iter().any(|line| line.to_string().contains(said)), "{:#?}", scene.warnings);
+    let silent = super::read("mjcf_align", &several).expect("a scene").warnings;
+    assert!(silent.iter().all(|line| !line.to_string().contains("inertial frame")), "{silent:#?}");
 }

@@ -5,7 +5,7 @@
 //! | `contact`, `gravity` | whether anything touches or falls |
 //! | `clampctrl` | whether controls stay in their ranges |
 //!
-//! Flags that say how MuJoCo solves or speeds up change no motion here. All others are a warning with their line where they are not as by default.
+//! Numerical flags of MuJoCo change no motion here. All others are a warning with their line where they are not as by default.
 //!
 //! Source: MuJoCo documentation, XML reference, `option/flag`.
 

@@ -19,6 +19,7 @@ pub(crate) mod defaults;
 pub(crate) mod equality;
 pub(crate) mod fields;
 pub(crate) mod flags;
+pub(crate) mod free_frames;
 pub(crate) mod geoms;
 pub(crate) mod grips;
 pub(crate) mod joints;

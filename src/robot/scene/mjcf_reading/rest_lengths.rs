@@ -1,10 +1,10 @@
 //! Lengths of tendons at which their springs are free, and points that never move against each other.
 //!
 //! MuJoCo takes the length of a spatial tendon without `springlength` with each joint at its `springref`, also where the joint has no spring. Bodies are
-//! described with each joint at its `ref`, so that the pose P of a body follows from that of its parent:
+//! described with each joint at its `ref`, so that the pose P of a body follows from the pose of its parent:
 //!
 //! ```text
-//!     P = P_parent B J(springref − ref)          J: turn about the axis of a hinge [rad], shift along that of a slide [m]
+//!     P = P_parent B J(springref − ref)          J: turn about the axis of a hinge [rad], shift along the axis of a slide [m]
 //! ```
 //!
 //! with the frame B of the joint in the parent. Ball joints and free joints are as described.
