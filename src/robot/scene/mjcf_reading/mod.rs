@@ -18,6 +18,7 @@ pub(crate) mod contacts;
 pub(crate) mod defaults;
 pub(crate) mod equality;
 pub(crate) mod fields;
+pub(crate) mod fitted;
 pub(crate) mod flags;
 pub(crate) mod free_frames;
 pub(crate) mod geoms;
