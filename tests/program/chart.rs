@@ -189,6 +189,8 @@ fn foreign_columns_may_come_in_any_order_and_wrong_ones_are_named() {
     let text = "\u{feff}error,cpu_seconds_per_simulated_second,note,scene,method\r\n1e-3,2e-5,x,dp,MuJoCo\r\n";
     let runs = parse_csv(text).unwrap();
     assert_eq!((runs[0].method.as_str(), runs[0].point()), ("MuJoCo", Some((1e-3, 2e-5))));
+    let commented = text.replace("error,", "# mine\r\nerror,").replace("1e-3", "#1\r\n1e-3");
+    assert_eq!(parse_csv(&commented).unwrap().len(), 1);
     let problem = |text: &str| parse_csv(text).unwrap_err();
     assert!(problem("scene,method,error\n").1.contains("cpu_seconds_per_simulated_second"));
     assert_eq!(problem("scene,method,error,cpu_seconds_per_simulated_second\na,b,c,1\n").0, 2);

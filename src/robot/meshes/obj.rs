@@ -5,6 +5,7 @@
 //!     vn x y z           a normal                            or from −1 backwards
 //!     usemtl name        the material from here on           mtllib file    where materials are
 //!     newmtl name        in that file: a material, with Kd r g b (diffuse colour) and d a (opacity) or Tr 1 − a
+//!     \                  at the end of a line: it goes on in the next
 //! ```
 //!
 //! Source: Wavefront, Advanced Visualizer Manual, appendix B1.
@@ -12,6 +13,7 @@
 use crate::meshes::error::MeshError;
 use crate::meshes::surface::{Corner, Surface};
 use nalgebra::{Point3, Vector3};
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 /// Reads an OBJ file; materials that cannot be read leave their parts without colour.
@@ -20,8 +22,8 @@ pub(super) fn read(data: &[u8], neighbour: &dyn Fn(&str) -> Option<Vec<u8>>) -> 
     let (mut positions, mut normals) = (Vec::new(), Vec::new());
     let (mut materials, mut color) = (HashMap::new(), None);
     let mut surface = Surface::default();
-    for (index, line) in text.lines().enumerate() {
-        let wrong = |what: &str| MeshError::Line { line: index + 1, what: what.to_string() };
+    for (number, line) in joined_lines(&text) {
+        let wrong = |what: &str| MeshError::Line { line: number, what: what.to_string() };
         let line = line.split('#').next().unwrap_or_default().trim();
         let (kind, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         match kind {
@@ -50,6 +52,26 @@ pub(super) fn read(data: &[u8], neighbour: &dyn Fn(&str) -> Option<Vec<u8>>) -> 
         }
     }
     Ok(surface)
+}
+
+/// The lines with their numbers, from 1 on; one that ends with `\` goes on in the next.
+fn joined_lines(text: &str) -> Vec<(usize, Cow<'_, str>)> {
+    let mut lines: Vec<(usize, Cow<str>)> = Vec::new();
+    let mut goes_on = false;
+    for (index, line) in text.lines().enumerate() {
+        // Comments end with their lines.
+        let cut = line.trim_end().strip_suffix('\\').filter(|cut| !cut.contains('#'));
+        match lines.last_mut().filter(|_| goes_on) {
+            Some((_, first)) => {
+                let first = first.to_mut();
+                first.push(' ');
+                first.push_str(cut.unwrap_or(line));
+            }
+            None => lines.push((index + 1, Cow::Borrowed(cut.unwrap_or(line)))),
+        }
+        goes_on = cut.is_some();
+    }
+    lines
 }
 
 fn triple(text: &str) -> Option<[f64; 3]> {
@@ -105,6 +127,16 @@ mod tests {
         assert!(surface.parts[0].normals.iter().all(|normal| *normal == [0.0, 0.0, 1.0]));
         let error = read(b"v 0 0 0\nf 1 2 3\n", &|_| None).expect_err("no corner 2").to_string();
         assert_eq!(error, "line 2: a polygon has a corner that does not exist");
+    }
+
+    #[test]
+    fn a_line_that_ends_with_a_backslash_goes_on_in_the_next() {
+        let plain = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n", &|_| None).expect("a surface");
+        let joined =
+            read(b"# C:\\\nv 0 0 \\\n0\nv 1\\ \r\n0\\\n0\nv 1 1 0\nf 1 \\\n 2 \\\n3\n", &|_| None).expect("a surface");
+        assert_eq!(plain.parts, joined.parts);
+        let error = read(b"v 0 \\\n0 0\nf 1 \\\n2 3\n", &|_| None).expect_err("no corner 2").to_string();
+        assert_eq!(error, "line 3: a polygon has a corner that does not exist");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! ```text
 //!     binary   80 bytes, number of triangles (4 bytes), and for each of them 50 bytes:
 //!              normal and three corners (12 singles, little endian), 2 bytes that mean nothing
-//!     text     solid …, then for each triangle: facet normal x y z, outer loop, vertex x y z (three times), endloop, endfacet
+//!     text     solid …, then for each triangle: facet normal x y z, outer loop, vertex x y z (three times), endloop, endfacet; in letters of either case
 //! ```
 //!
 //! Binary files may begin with `solid`, too; what tells them apart is their length. Normals are worked out from the corners, because many
@@ -21,7 +21,7 @@ const TRIANGLE: usize = 50;
 pub(super) fn read(data: &[u8]) -> Result<Surface, MeshError> {
     let count = data.get(80..HEAD).map(|count| u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize);
     let needed = count.and_then(|count| count.checked_mul(TRIANGLE)?.checked_add(HEAD));
-    let begins_as_text = data.trim_ascii_start().starts_with(b"solid");
+    let begins_as_text = data.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     let part = match needed {
         // Some writers add something behind the last triangle.
         Some(needed) if data.len() == needed || (!begins_as_text && data.len() > needed) => binary(&data[HEAD..needed]),
@@ -56,7 +56,7 @@ fn text(data: &[u8]) -> Result<Part, MeshError> {
     for (index, line) in text.lines().enumerate() {
         let wrong = |what: &str| MeshError::Line { line: index + 1, what: what.to_string() };
         let mut words = line.split_whitespace();
-        match words.next() {
+        match words.next().map(str::to_ascii_lowercase).as_deref() {
             Some("vertex") => {
                 let numbers: Vec<f64> = words.map_while(|word| word.parse().ok()).collect();
                 let [x, y, z] = numbers[..] else { return Err(wrong("a vertex has three numbers")) };
@@ -104,7 +104,8 @@ mod tests {
             normals: vec![[0.0, 0.0, 1.0]; 3],
             color: None,
         };
-        for data in [TEXT.as_bytes().to_vec(), encoded(b"solid", corners), encoded(b"CAD", corners)] {
+        let shouted = TEXT.to_uppercase().into_bytes();
+        for data in [TEXT.as_bytes().to_vec(), shouted, encoded(b"solid", corners), encoded(b"CAD", corners)] {
             assert_eq!(read(&data).expect("a surface").parts, std::slice::from_ref(&expected));
         }
     }

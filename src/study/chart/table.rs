@@ -105,7 +105,9 @@ pub fn read_csv(path: &Path) -> Result<Vec<Measurement>, ChartError> {
 /// The line and its defect.
 pub fn parse_csv(text: &str) -> Result<Vec<Measurement>, (usize, String)> {
     // Spreadsheets put a byte order mark in front.
-    let records = records(text.trim_start_matches('\u{feff}'))?;
+    let mut records = records(text.trim_start_matches('\u{feff}'))?;
+    // Comments, as in other tables.
+    records.retain(|(_, fields)| !fields.first().is_some_and(|field| field.trim_start().starts_with('#')));
     let Some(((_, header), rows)) = records.split_first() else {
         return Err((1, format!("empty; the first line must name the columns {}", NEEDED.join(", "))));
     };

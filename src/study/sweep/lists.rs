@@ -1,4 +1,4 @@
-//! The CSV file of a list of runs: key paths in the first line, numbers in all others, one line a run.
+//! The CSV file of a list of runs: key paths in the first line, numbers in all others, one line a run. Lines that begin with `#` are comments.
 
 use crate::scene::{Problem, SceneError};
 use std::path::Path;
@@ -7,15 +7,12 @@ use std::path::Path;
 pub(super) struct List {
     /// The key paths.
     pub keys: Vec<String>,
+    /// The line of the key paths, counted from 1.
+    pub header: usize,
     /// The numbers, line after line.
     pub numbers: Vec<f64>,
-}
-
-impl List {
-    /// The line of a row, counted from 1.
-    pub fn line(row: usize) -> usize {
-        row + 2
-    }
+    /// The line of each run in the file, counted from 1.
+    pub lines: Vec<usize>,
 }
 
 /// Reads a list.
@@ -30,18 +27,19 @@ pub(super) fn read_list(text: &str, file: &Path) -> Result<List, SceneError> {
         element: None,
         problem: Box::new(Problem::Table(reason)),
     };
-    let mut lines = text.lines();
-    let header = lines.next().unwrap_or_default();
+    let numbered = text.lines().enumerate().map(|(index, row)| (index + 1, row));
+    let mut rows = numbered.filter(|(_, row)| !row.trim_start().starts_with('#'));
+    let (first, header) = rows.next().unwrap_or((1, ""));
     let keys: Vec<String> = header.split(',').map(|key| key.trim().trim_matches('"').to_string()).collect();
     if let Some(number) = keys.iter().find(|key| key.is_empty() || key.parse::<f64>().is_ok()) {
         return Err(refuse(
-            1,
+            first,
             format!("{number:?} is no key path; the first line names what the numbers below are, such as link1.mass"),
         ));
     }
-    let mut numbers = Vec::new();
-    for (row, text) in lines.enumerate() {
-        let line = List::line(row);
+    let (mut numbers, mut lines) = (Vec::new(), Vec::new());
+    for (line, text) in rows {
+        lines.push(line);
         let before = numbers.len();
         for cell in text.split(',').map(str::trim) {
             match cell.parse::<f64>() {
@@ -55,7 +53,7 @@ pub(super) fn read_list(text: &str, file: &Path) -> Result<List, SceneError> {
         }
     }
     if numbers.is_empty() {
-        return Err(refuse(2, "there are no numbers below the key paths".to_string()));
+        return Err(refuse(first + 1, "there are no numbers below the key paths".to_string()));
     }
-    Ok(List { keys, numbers })
+    Ok(List { keys, header: first, numbers, lines })
 }

@@ -2,7 +2,7 @@
 
 use crate::mechanism::ground::words::counted;
 use crate::scene::{Geometry, Parameter, Problem, Scene, SceneError, TomlText, Touching, read_text};
-use crate::sweep::lists::{List, read_list};
+use crate::sweep::lists::read_list;
 use crate::sweep::random::Law;
 use crate::sweep::schema::{SpacingTable, VaryTable};
 use crate::sweep::variation::{Column, Source};
@@ -152,13 +152,13 @@ impl Reader<'_> {
             problem: Box::new(Problem::Table(reason)),
         };
         for key in &list.keys {
-            self.column(scene, known, key, relative).map_err(|message| refuse(1, message))?;
+            self.column(scene, known, key, relative).map_err(|message| refuse(list.header, message))?;
         }
         for (row, numbers) in list.numbers.chunks_exact(columns).enumerate() {
             for (number, column) in numbers.iter().zip(&self.columns[first..]) {
                 if let Err(reason) = column.parameter.check(number * column.unit) {
                     return Err(refuse(
-                        List::line(row),
+                        list.lines[row],
                         format!("{} = {}: {reason}", column.parameter.key(), number * column.unit),
                     ));
                 }

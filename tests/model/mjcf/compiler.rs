@@ -30,7 +30,6 @@ fn every_attribute_of_the_compiler_is_read_or_told_with_its_line() {
         super::read("mjcf_compiler", text).expect("a scene").warnings.iter().map(ToString::to_string).collect();
     for said in [
         "model.xml:2: fitaabb=\"true\" of <compiler> is not read",
-        "model.xml:2: alignfree=\"true\" of <compiler> is not read",
         "model.xml:2: colour of <compiler> is not known, and not read",
         "discardvisual of <compiler>",
         "usethread of <compiler>",

@@ -4,6 +4,7 @@ mod actuator_defaults;
 mod compiler;
 mod contacts;
 mod copies;
+mod options;
 mod pairs;
 mod tendons;
 mod tuning;
@@ -121,9 +122,14 @@ fn what_touches_has_the_larger_friction_and_what_has_no_counterpart_is_said_with
 }
 
 fn read(name: &str, text: &str) -> Result<Scene, SceneError> {
+    read_at(name, text, None)
+}
+
+/// Reads a model that starts at a keyframe.
+fn read_at(name: &str, text: &str, keyframe: Option<&str>) -> Result<Scene, SceneError> {
     let folder = command::folder(name);
     std::fs::write(folder.join("model.xml"), text).expect("written");
-    read_input(&folder.join("model.xml"), None, &PackagePath::default())
+    read_input(&folder.join("model.xml"), keyframe, &PackagePath::default())
 }
 
 #[test]

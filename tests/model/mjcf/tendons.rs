@@ -22,7 +22,7 @@ const TENDONS: &str = "<mujoco><compiler angle='radian'/><default><tendon stiffn
   <keyframe><key name='k' qpos='0.3 0 1.2 1 0 0 0 0.5 0' ctrl='0.5'/></keyframe></mujoco>";
 
 #[test]
-fn a_tendon_through_two_sites_is_a_rope_with_a_spring_that_is_free_at_the_start() {
+fn a_tendon_through_two_sites_is_a_rope_with_a_spring_that_is_free_where_it_is_described() {
     let scene = read("mjcf_tendons", TENDONS).expect("a scene");
     let [rope] = scene.ropes.as_slice() else { panic!("{:?}", scene.ropes) };
     assert_eq!((rope.name.as_str(), rope.length), ("string", 1.1));
@@ -40,6 +40,46 @@ fn a_tendon_through_two_sites_is_a_rope_with_a_spring_that_is_free_at_the_start(
     };
     said("model.xml:8: the least length of a tendon is not simulated");
     said("model.xml:11: tendons around geoms and over pulleys");
+}
+
+#[test]
+fn a_spring_without_a_length_is_free_where_joints_are_at_their_springref() {
+    let text = "<mujoco><worldbody><site name='w' pos='0 0 1'/><body name='far' pos='3 1 0'><freejoint/><geom size='.1'/><site name='o'/></body>
+      <body name='a' pos='.6 0 .5'><joint name='h' axis='0 1 0' pos='-.6 0 0' ref='20'/><geom size='.1'/>
+       <body name='b' pos='.3 .1 0' euler='0 0 30'><joint name='s' type='slide' axis='1 1 0' ref='.1' springref='.4'/>
+        <joint name='k' axis='1 0 1' pos='0 .2 0' springref='50' stiffness='1'/><geom size='.1'/>
+        <body name='c' pos='0 0 .4'><joint type='ball'/><geom size='.1'/><site name='s' pos='.1 .2 .3'/></body></body></body></worldbody>
+      <tendon><spatial stiffness='3'><site site='w'/><site site='s'/></spatial><spatial stiffness='3'><site site='s'/><site site='o'/></spatial>
+       <spatial stiffness='3' springlength='.7'><site site='w'/><site site='s'/></spatial></tendon></mujoco>";
+    let scene = read("mjcf_springref", text).expect("a scene");
+    // `tendon_lengthspring` of MuJoCo 4.0.0; the sums have some ten terms below 4 m.
+    let lengths: Vec<f64> = scene
+        .springs
+        .iter()
+        .filter_map(|spring| match &spring.place {
+            catena::scene::SpringPlace::Points { rest_length, .. } => Some(*rest_length),
+            _ => None,
+        })
+        .collect();
+    let wanted = [1.1237799642847273, 2.60414844918904, 0.7];
+    let near = lengths.iter().zip(wanted).all(|(own, wanted)| (own - wanted).abs() < 1e-14);
+    assert!(lengths.len() == 3 && near, "{lengths:?}");
+}
+
+#[test]
+fn a_tendon_between_points_of_one_rigid_body_is_left_out_with_a_warning() {
+    let text =
+        "<mujoco><worldbody><site name='w'/><body name='a'><joint axis='0 1 0'/><geom size='.1'/><site name='s'/>
+      <body name='b' pos='0 0 .2'><geom size='.1'/><site name='t'/></body></body></worldbody>
+      <tendon><spatial stiffness='3'><site site='s'/><site site='t'/></spatial>
+      <spatial range='0 3'><site site='s'/><site site='t'/></spatial>
+      <spatial stiffness='3'><site site='s'/><site site='w'/></spatial></tendon></mujoco>";
+    let scene = read("mjcf_rigid_tendon", text).expect("a scene");
+    assert_eq!((scene.springs.len(), scene.ropes.len()), (1, 0));
+    let told: Vec<String> = scene.warnings.iter().map(|warning| warning.to_string()).collect();
+    let said =
+        "model.xml:3: the sites of a tendon never move against each other; it is left out; the same for 1 more element";
+    assert!(told.iter().any(|line| line.contains(said)), "{told:#?}");
 }
 
 #[test]

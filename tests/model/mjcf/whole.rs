@@ -59,3 +59,18 @@ fn actuators_of_one_joint_are_one_motor_together_with_their_rotors_and_damping()
         assert!(model.warnings().iter().any(|line| line.contains(said)), "{said}: {:#?}", model.warnings());
     }
 }
+
+#[test]
+fn a_simple_shape_of_a_mesh_is_fitted_to_its_moments_and_one_without_a_solid_is_refused_with_its_reason() {
+    let text = "<mujoco><asset><mesh name='t' vertex='0 0 0 1 0 0 0 2 0 0 0 3'/></asset>
+      <worldbody><body name='b'><freejoint/><geom type='box' mesh='t' pos='1 1 1'/></body></worldbody></mujoco>";
+    let scene = super::read("mjcf_fitted", text).expect("a scene");
+    let of = scene.robots[0].robot.links[0].inertial.as_ref().expect("a mass");
+    // `body_mass` and `body_ipos` of MuJoCo 4.0.0: 1000 kg/m³ in a box of its half sides.
+    let wanted = 8000.0 * 0.2599943 * 0.63965268 * 1.047973;
+    assert!((of.mass / wanted - 1.0).abs() < 1e-7, "{}", of.mass);
+    let center = of.origin.translation.vector;
+    assert!((center - nalgebra::Vector3::new(1.25, 1.5, 1.75)).amax() < 1e-14, "{center}");
+    let error = super::read("mjcf_fitted", &text.replace("mesh='t'", "mesh='u'")).expect_err("no mesh").to_string();
+    assert!(error.contains("model.xml:2: <geom mesh=\"u\">: there is no such mesh"), "{error}");
+}

@@ -8,7 +8,7 @@ fn a_bad_sweep_file_is_refused_by_file_line_and_key_and_nothing_is_written() {
     let folder = folder("sweep_errors", "");
     let vary = |keys: &str| format!("{HEAD}[[vary]]\n{keys}\n");
     std::fs::write(folder.join("bad.csv"), "rod.mass,positions.hinge\n1,0\n2\n").unwrap();
-    std::fs::write(folder.join("negative.csv"), "rod.mass\n1\n-2\n").unwrap();
+    std::fs::write(folder.join("negative.csv"), "# runs\nrod.mass\n1\n# light\n-2\n").unwrap();
     std::fs::write(folder.join("unknown.csv"), "rod.mess\n1\n").unwrap();
     std::fs::write(folder.join("nan.csv"), "rod.mass\nNaN\n").unwrap();
     let mass = "key = \"rod.mass\"\n";
@@ -54,7 +54,7 @@ fn a_bad_sweep_file_is_refused_by_file_line_and_key_and_nothing_is_written() {
         ),
         (vary("csv = \"none.csv\""), "sweep.toml:9: vary.csv: none.csv: cannot be read"),
         (vary("csv = \"bad.csv\""), "bad.csv:3: 1 numbers for 2 key paths"),
-        (vary("csv = \"negative.csv\""), "negative.csv:3: link.rod.mass = -2: -2 must not be negative"),
+        (vary("csv = \"negative.csv\""), "negative.csv:5: link.rod.mass = -2: -2 must not be negative"),
         (vary("csv = \"unknown.csv\""), "unknown.csv:1: pendulum.urdf: no number of the scene is called \"rod.mess\""),
         (vary("csv = \"nan.csv\""), "nan.csv:2: \"NaN\" is not a number"),
         (

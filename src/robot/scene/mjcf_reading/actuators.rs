@@ -48,13 +48,12 @@ impl Reader<'_> {
             Dynamics::Own(activation) => Some(activation),
             Dynamics::Unread => return Ok(Vec::new()),
         };
-        let bounded = |range: &str, flag: &str| -> Result<Option<(f64, f64)>, SceneError> {
-            let given = actuator.list(range, 2, 2)?;
-            let holds = actuator.flag(flag).unwrap_or(given.is_some() && self.compiler.auto_limits);
-            Ok(given.filter(|_| holds).map(|range| (range[0], range[1])))
+        let forces = self.bounds(actuator, "forcerange", "forcelimited")?;
+        // The range of a damper bounds its control, whatever the compiler infers.
+        let mut control_range = match actuator.name.as_str() {
+            "damper" => actuator.list("ctrlrange", 2, 2)?.map(|range| (range[0], range[1])),
+            _ => self.bounds(actuator, "ctrlrange", "ctrllimited")?,
         };
-        let (forces, mut control_range) =
-            (bounded("forcerange", "forcelimited")?, bounded("ctrlrange", "ctrllimited")?);
         let [gain, per_length, per_velocity] = law.gain;
         let brake = match law.gain_kind.as_str() {
             "fixed" => 0.0,
@@ -107,6 +106,12 @@ impl Reader<'_> {
             activation.as_ref().is_some_and(|own| own.range.is_some() && matches!(own.follows, Follows::Integrator));
         if integrates && per_position < 0.0 && per_rate < 0.0 && forces.is_some() {
             self.odd(actuator, "its forcerange does not bound the part of its activation".to_string());
+        }
+        if !self.clamps_controls {
+            match brake > 0.0 {
+                true => self.odd(actuator, "the control of a damper stays in its ctrlrange all the same".to_string()),
+                false => control_range = None,
+            }
         }
         let motor = |Driven { joint, reference, coefficient }: Driven| {
             let gear = gear * coefficient;
@@ -167,9 +172,7 @@ impl Reader<'_> {
         if matches!(follows, Follows::Filter(time) if time <= 0.0) {
             return Ok(Dynamics::Absent);
         }
-        let given = actuator.list("actrange", 2, 2)?;
-        let holds = actuator.flag("actlimited").unwrap_or(given.is_some() && self.compiler.auto_limits);
-        let range = given.filter(|_| holds).map(|range| (range[0], range[1]));
+        let range = self.bounds(actuator, "actrange", "actlimited")?;
         if range.is_some() && matches!(follows, Follows::Filter(_)) {
             self.odd(actuator, "actrange of a filter bounds its activation at the start alone".to_string());
         }

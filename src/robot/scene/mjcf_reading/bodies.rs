@@ -5,7 +5,7 @@
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::mass::{MassOf, composed};
-use crate::scene::mjcf_reading::parts::{Between, Form, Joint, Link, Moving, Placed, Tree};
+use crate::scene::mjcf_reading::parts::{Between, Form, FreeFrame, Joint, Link, Moving, Placed, Tree};
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
 use crate::scene::robot::Pose;
@@ -61,6 +61,7 @@ impl Reader<'_> {
             floats: free.is_some(),
             // On a joint of its own the tree hangs in the world frame.
             pose: if hangs { Pose::identity() } else { pose },
+            free_frame: FreeFrame::Body,
             velocity: None,
             damping,
             links: Vec::new(),
@@ -122,6 +123,7 @@ impl Reader<'_> {
         class: Option<&str>,
     ) -> Result<(), SceneError> {
         self.placed.insert(name.to_string(), Placed { tree: Some(tree), pose: *at });
+        let is_base = on.is_none();
         let mut joints = Vec::new();
         self.joints(body, &Pose::identity(), class, name, &mut joints)?;
         if let Some((mut parent, mut origin)) = on {
@@ -160,10 +162,15 @@ impl Reader<'_> {
         let mut bodies: Vec<Inner> = Vec::new();
         let inertial =
             self.contents(body, &Pose::identity(), class, (name, at), (&mut link, &mut parts), &mut bodies)?;
+        let is_given = inertial.is_some() && self.compiler.inertia_from_geoms != Some(true);
         let mass = match (self.compiler.inertia_from_geoms, inertial) {
             (Some(true), _) | (None, None) => composed(&parts),
             (_, given) => given,
         };
+        if is_base {
+            let is_one = is_given || parts.len() == 1;
+            self.trees[tree].free_frame = self.free_frame(body, mass.as_ref().filter(|_| bodies.is_empty()), is_one);
+        }
         link.mass = self.compiler.bounded(mass);
         self.rounded(body, &mut link);
         self.trees[tree].links.push(link);

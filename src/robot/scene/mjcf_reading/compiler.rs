@@ -3,6 +3,7 @@
 //! | attribute | read as |
 //! |---|---|
 //! | `angle`, `eulerseq` | [`super::orientation`] |
+//! | `alignfree` | the frame of free bodies in keyframes ([`super::free_frames`]) |
 //! | `autolimits` | whether a range alone is a limit |
 //! | `meshdir`, `assetdir`, `strippath` | where meshes are |
 //! | `inertiafromgeom`, `inertiagrouprange` | which masses geoms give |
@@ -19,8 +20,9 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::path::{Path, PathBuf};
 
 /// Attributes that are read here or elsewhere.
-const READ: [&str; 14] = [
+const READ: [&str; 15] = [
     "angle",
+    "alignfree",
     "eulerseq",
     "autolimits",
     "meshdir",
@@ -41,13 +43,15 @@ const WITHOUT_EFFECT: [&str; 6] =
     ["discardvisual", "usethread", "fusestatic", "saveinertial", "conflict", "convexhull"];
 
 /// Attributes without a counterpart, and their defaults.
-const UNREAD: [(&str, &str); 3] = [("alignfree", "false"), ("coordinate", "local"), ("fitaabb", "false")];
+const UNREAD: [(&str, &str); 2] = [("coordinate", "local"), ("fitaabb", "false")];
 
 /// Settings of `<compiler>` but for angles.
 #[derive(Clone, Debug)]
 pub(crate) struct Compiler {
     /// Whether a range alone is a limit.
     pub auto_limits: bool,
+    /// Whether free bodies without children are counted at their inertial frames.
+    pub aligns_free: bool,
     /// Whether masses come from geoms: always, never, or where no inertia is given.
     pub inertia_from_geoms: Option<bool>,
     /// First and last group of geoms that have a mass.
@@ -73,6 +77,7 @@ impl Compiler {
         let folder = root.all("compiler").filter_map(|one| one.text("meshdir").or(one.text("assetdir"))).last();
         Ok(Compiler {
             auto_limits: flag("autolimits").unwrap_or(true),
+            aligns_free: flag("alignfree") == Some(true),
             inertia_from_geoms: flag("inertiafromgeom"),
             groups: groups.map_or([f64::NEG_INFINITY, f64::INFINITY], |groups| [groups[0], groups[1]]),
             exact_meshes: flag("exactmeshinertia") == Some(true),

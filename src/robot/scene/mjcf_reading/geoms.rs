@@ -24,12 +24,19 @@ impl Reader<'_> {
     /// A geom of a body whose class is `inherited`, and its mass.
     pub fn geom(&mut self, given: &Element, inherited: Option<&str>) -> Result<(Geom, Option<MassOf>), SceneError> {
         let geom = self.defaults.applied(given, inherited);
-        let size = geom.list("size", 1, 3)?.unwrap_or_default();
+        let default_kind = if geom.text("mesh").is_some() { "mesh" } else { "sphere" };
+        let kind = geom.text("type").unwrap_or(default_kind).to_string();
+        let fitted = self.fitted(&geom, &kind)?;
+        let given = geom.list("size", 1, 3)?.unwrap_or_default();
+        let size = fitted.as_ref().map_or(given, |(_, sizes)| sizes.clone());
         let sizes = |count: usize| match size.get(..count) {
             Some(numbers) if numbers.iter().all(|number| *number > 0.0) => Ok(numbers.to_vec()),
             _ => Err(geom.error("size", format!("its shape needs {count} numbers greater than zero"))),
         };
         let mut pose = self.angles.pose(&geom)?;
+        if let Some((frame, _)) = &fitted {
+            pose *= frame;
+        }
         // Capsules and the like from one point to another: their z is along the line.
         let mut half = None;
         if let Some(ends) = geom.list("fromto", 6, 6)? {
@@ -55,8 +62,6 @@ impl Reader<'_> {
                 None => Vector3::from_column_slice(&sizes(3)?),
             })
         };
-        let default_kind = if geom.text("mesh").is_some() { "mesh" } else { "sphere" };
-        let kind = geom.text("type").unwrap_or(default_kind).to_string();
         let mut ellipsoid = None;
         let form = match kind.as_str() {
             "plane" => Form::Plane,
@@ -159,7 +164,7 @@ impl Reader<'_> {
     }
 
     /// Volume, centre and inertia of unit density of a mesh; `None` with a warning for a mesh that is not found or not closed.
-    fn solid(&mut self, geom: &Element, mesh: &MeshFile) -> Result<Option<Solid>, SceneError> {
+    pub fn solid(&mut self, geom: &Element, mesh: &MeshFile) -> Result<Option<Solid>, SceneError> {
         let bytes = match self.made.get(&mesh.path) {
             Some(bytes) => Ok(bytes.to_vec()),
             None => read_bounded(&self.folder.join(&mesh.path)).map_err(|error| error.to_string()),

@@ -36,10 +36,8 @@ impl Reader<'_> {
         let unit = if kind == UrdfJointKind::Prismatic { 1.0 } else { self.angles.unit };
         let number_of = |name: &str, otherwise: f64| Ok::<f64, SceneError>(joint.number(name)?.unwrap_or(otherwise));
         let reference = unit * number_of("ref", 0.0)?;
-        let range = joint.list("range", 2, 2)?;
-        let is_limited = joint.flag("limited").unwrap_or(range.is_some() && self.compiler.auto_limits);
-        let mut limit =
-            range.filter(|_| is_limited).map(|range| (unit * range[0] - reference, unit * range[1] - reference));
+        let range = self.bounds(&joint, "range", "limited")?;
+        let mut limit = range.map(|(lower, upper)| (unit * lower - reference, unit * upper - reference));
         let mut spring = None;
         let stiffness = self.linear(&joint, "stiffness")?.unwrap_or(0.0);
         let rest = unit * number_of("springref", 0.0)? - reference;
@@ -91,6 +89,7 @@ impl Reader<'_> {
             armature,
             spring,
             spring_damper,
+            rest,
             mimic: None,
             line: joint.line,
         })

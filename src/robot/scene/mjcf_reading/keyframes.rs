@@ -1,11 +1,12 @@
 //! Keyframes of MJCF: positions, velocities, controls and activations of everything, with which a run starts.
 //!
 //! `qpos` has for a free joint x, y, z and the quaternion, for a ball its quaternion, for others one number. `qvel` has for a free joint the velocity
-//! in the world and the angular velocity in the axes of the body, for a ball the angular velocity in its axes, for others one number.
+//! in the world and the angular velocity in the axes of the body, for a ball the angular velocity in its axes, for others one number. The frame of a free
+//! joint may be the inertial one ([`super::free_frames`]).
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::orientation::{quaternion, roll_pitch_yaw};
-use crate::scene::mjcf_reading::parts::Moving;
+use crate::scene::mjcf_reading::parts::{FreeFrame, Moving};
 use crate::scene::mjcf_reading::reader::Reader;
 use crate::scene::mjcf_reading::tree::Element;
 use crate::scene::robot::{Pose, UrdfJointKind};
@@ -25,6 +26,7 @@ impl Reader<'_> {
         let velocity = key.list("qvel", nv, nv)?;
         let zero = || key.error("qpos", "a quaternion is zero".to_string());
         let (mut at, mut on) = (0, 0);
+        let mut unread = Vec::new();
         for moving in &order {
             let (q, v) = counts(moving);
             let position = position.as_ref().map(|all| &all[at..at + q]);
@@ -33,13 +35,17 @@ impl Reader<'_> {
             match moving {
                 Moving::Free(tree) => {
                     let tree = &mut self.trees[*tree];
+                    let frame = tree.free_frame;
+                    if frame == FreeFrame::Unread && (position.is_some() || velocity.is_some()) {
+                        unread.push(tree.name.clone());
+                    }
                     if let Some(&[x, y, z, ref turn @ ..]) = position {
                         let turn = quaternion(turn).ok_or_else(zero)?;
-                        tree.pose = Pose::from_parts(Translation3::new(x, y, z), turn);
+                        tree.pose = frame.body_at(&Pose::from_parts(Translation3::new(x, y, z), turn));
                     }
                     if let Some(&[vx, vy, vz, wx, wy, wz]) = velocity {
-                        let spin = tree.pose.rotation * Vector3::new(wx, wy, wz);
-                        tree.velocity = Some([vx, vy, vz, spin.x, spin.y, spin.z]);
+                        let (velocity, spin) = (Vector3::new(vx, vy, vz), Vector3::new(wx, wy, wz));
+                        tree.velocity = Some(frame.velocity_of(&tree.pose, velocity, spin));
                     }
                 }
                 Moving::Joint(tree, name, UrdfJointKind::Spherical) => {
@@ -59,6 +65,12 @@ impl Reader<'_> {
                     self.velocities.extend(velocity.map(|v| (*tree, name.clone(), vec![own(v)])));
                 }
             }
+        }
+        for body in unread {
+            let message = format!(
+                "the keyframe gives the inertial frame of body {body:?}, as align or alignfree says; it is read as the frame of the body"
+            );
+            self.odd(key, message);
         }
         if let Some(controls) = key.list("ctrl", self.controls, self.controls)? {
             for (number, motor) in &mut self.motors {

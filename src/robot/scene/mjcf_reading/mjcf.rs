@@ -14,7 +14,6 @@ use crate::scene::text::{read_bytes, read_text};
 use crate::scene::urdf_reading::package_path::PackagePath;
 use crate::scene::urdf_reading::urdf::robot_from_text;
 use crate::scene::warning::{Warning, WarningGroup};
-use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -79,9 +78,7 @@ impl Reader<'_> {
         self.defaults.check(root)?;
         for option in root.all("option") {
             self.gravity = option.vector("gravity")?.unwrap_or(self.gravity);
-            for flag in option.all("flag") {
-                self.flags(flag);
-            }
+            option.all("flag").for_each(|flag| self.flags(flag));
             if option.text("actuatorgroupdisable").is_some() {
                 self.odd(option, "actuatorgroupdisable is not read; --without leaves parts out".to_string());
             }
@@ -160,22 +157,6 @@ impl Reader<'_> {
             return Err(SceneError { file: self.path.to_path_buf(), line: Some(root.line), element: None, problem });
         }
         Ok(())
-    }
-
-    /// What the file switches off.
-    fn flags(&mut self, flag: &Element) {
-        for (name, value) in flag.attributes.iter().filter(|(_, value)| value == "disable") {
-            match name.as_str() {
-                "contact" => self.touches = false,
-                "gravity" => self.gravity = Vector3::zeros(),
-                "limit" | "frictionloss" | "equality" | "actuation" | "constraint" | "passive" | "spring"
-                | "damper" => {
-                    self.odd(flag, format!("{name}={value:?} is not read; --without leaves parts out"));
-                }
-                // Numbers for the solver of MuJoCo.
-                _ => {}
-            }
-        }
     }
 
     /// Scales all masses and inertias to a total mass (kg).

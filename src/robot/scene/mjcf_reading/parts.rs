@@ -15,6 +15,8 @@ pub(crate) struct Tree {
     /// Whether it floats: its pose is where it starts.
     pub floats: bool,
     pub pose: Pose,
+    /// The frame of its base whose motion a keyframe gives.
+    pub free_frame: FreeFrame,
     /// Velocity of its base in the world: linear, angular [m/s, rad/s].
     pub velocity: Option<[f64; 6]>,
     /// Damping of the velocity of its base [N s/m], and of its spin [N m s].
@@ -23,6 +25,38 @@ pub(crate) struct Tree {
     pub joints: Vec<(Between, Option<Joint>)>,
     /// The inertia of each joint at the start ([`super::tuning`]), once it was asked for.
     pub inertias: OnceCell<HashMap<String, f64>>,
+}
+
+/// A frame of a free body ([`super::free_frames`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum FreeFrame {
+    Body,
+    /// The inertial frame in the body.
+    Inertial(Pose),
+    /// An inertial frame whose axes are not known here.
+    Unread,
+}
+
+impl FreeFrame {
+    /// The pose of the body where this frame has a pose.
+    pub fn body_at(&self, pose: &Pose) -> Pose {
+        match self {
+            FreeFrame::Inertial(frame) => pose * frame.inverse(),
+            FreeFrame::Body | FreeFrame::Unread => *pose,
+        }
+    }
+
+    /// The velocity and the spin of the body at a pose, both in the world, from the velocity of this frame in the world and its spin in its axes.
+    pub fn velocity_of(&self, body: &Pose, velocity: Vector3<f64>, spin: Vector3<f64>) -> [f64; 6] {
+        let (spin, back) = match self {
+            FreeFrame::Inertial(frame) => {
+                (body.rotation * (frame.rotation * spin), body.rotation * -frame.translation.vector)
+            }
+            FreeFrame::Body | FreeFrame::Unread => (body.rotation * spin, Vector3::zeros()),
+        };
+        let velocity = velocity + spin.cross(&back);
+        [velocity.x, velocity.y, velocity.z, spin.x, spin.y, spin.z]
+    }
 }
 
 /// A link, read.
@@ -117,6 +151,8 @@ pub(crate) struct Joint {
     pub spring: Option<(f64, f64)>,
     /// Time constant (s) and damping ratio, from which stiffness and damping follow, and where the spring is free.
     pub spring_damper: Option<[f64; 3]>,
+    /// Its `springref`, counted as here.
+    pub rest: f64,
     /// Whom it follows: the leader, the multiplier and the offset.
     pub mimic: Option<(String, f64, f64)>,
     pub line: usize,

@@ -70,6 +70,8 @@ pub(crate) struct Reader<'r> {
     pub pairs: Vec<([String; 2], Grip)>,
     /// Whether anything touches.
     pub touches: bool,
+    /// Whether controls stay in their ranges.
+    pub clamps_controls: bool,
     /// Mass of bodies that do not move (kg).
     pub fixed_mass: f64,
     /// How many bodies there were.
@@ -123,6 +125,7 @@ impl<'r> Reader<'r> {
             paired: paired_geoms(root),
             pairs: Vec::new(),
             touches: true,
+            clamps_controls: true,
             fixed_mass: 0.0,
             bodies: 0,
             warnings: Vec::new(),
@@ -188,6 +191,18 @@ impl<'r> Reader<'r> {
             self.not_simulated(element, format!("{name} that is not linear is not simulated; its first number is"));
         }
         Ok(all.first().copied())
+    }
+
+    /// A range that bounds something: where its flag says so, or alone with `autolimits` if it is not empty. MuJoCo refuses one that neither decides on.
+    pub fn bounds(&mut self, of: &Element, range: &str, flag: &str) -> Result<Option<(f64, f64)>, SceneError> {
+        let Some(given) = of.list(range, 2, 2)? else { return Ok(None) };
+        let (lower, upper) = (given[0], given[1]);
+        let is_written = (lower, upper) != (0.0, 0.0);
+        if of.flag(flag).is_none() && !self.compiler.auto_limits && is_written {
+            self.odd(of, format!("{range} without {flag} bounds nothing while autolimits=\"false\""));
+        }
+        let holds = of.flag(flag).unwrap_or(lower < upper && self.compiler.auto_limits);
+        Ok(holds.then_some((lower, upper)))
     }
 
     /// Lists an element that says nothing of the motion.

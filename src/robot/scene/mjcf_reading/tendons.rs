@@ -8,7 +8,7 @@
 //! | `fixed`, pulled by a motor with the effort f | efforts `c_i f` of its joints ([`super::actuators`]) |
 //!
 //! The polynomial `a + k x` of the equality is of the first degree. Everything else of a tendon is a warning with its line. A tendon that pulls
-//! nothing and has no bound says nothing of the motion.
+//! nothing and has no bound says nothing of the motion. Lengths without force are in [`super::rest_lengths`].
 
 use crate::scene::error::SceneError;
 use crate::scene::mjcf_reading::parts::{End, Relation, Rope, Spring};
@@ -50,7 +50,6 @@ impl Reader<'_> {
             self.not_simulated(tendon, message.to_string());
             return Ok(());
         }
-        let mut points = Vec::with_capacity(tendon.children.len());
         let mut ends: Vec<End> = Vec::with_capacity(tendon.children.len());
         for child in &tendon.children {
             let site = child.text("site").ok_or_else(|| child.missing("site"))?;
@@ -58,7 +57,10 @@ impl Reader<'_> {
             let (body, pose) = self.sites.get(site).cloned().ok_or_else(unknown)?;
             let point = Point3::from(pose.translation.vector);
             ends.push(self.end(child, body.as_deref(), &point)?);
-            points.push(point);
+        }
+        if self.are_one_body(&ends) {
+            self.odd(tendon, "the sites of a tendon never move against each other; it is left out".to_string());
+            return Ok(());
         }
         if let Some((lower, upper)) = range {
             if lower > 0.0 {
@@ -85,8 +87,7 @@ impl Reader<'_> {
                     self.not_simulated(tendon, message.to_string());
                     return Ok(());
                 }
-                // As at the start.
-                _ => (points[1] - points[0]).norm(),
+                _ => self.rest_length(&ends),
             };
             self.springs.push(Spring { ends, stiffness, damping, rest });
         }
@@ -119,15 +120,13 @@ impl Reader<'_> {
 
     /// How a tendon pulls. Warns of what no tendon has here.
     fn pull_of(&mut self, tendon: &Element) -> Result<Pull, SceneError> {
-        let range = tendon.list("range", 2, 2)?;
-        let is_limited = tendon.flag("limited").unwrap_or(range.is_some() && self.compiler.auto_limits);
         for key in ["frictionloss", "armature"] {
             if tendon.number(key)?.is_some_and(|number| number != 0.0) {
                 self.not_simulated(tendon, format!("{key} of tendons is not simulated"));
             }
         }
         Ok(Pull {
-            range: range.filter(|_| is_limited).map(|range| (range[0], range[1])),
+            range: self.bounds(tendon, "range", "limited")?,
             stiffness: self.linear(tendon, "stiffness")?.unwrap_or(0.0),
             damping: self.linear(tendon, "damping")?.unwrap_or(0.0),
         })

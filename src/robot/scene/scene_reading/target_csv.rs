@@ -6,7 +6,7 @@
 //!     0.5,0.3
 //! ```
 //!
-//! Empty lines at the end are ignored; anywhere else they are gaps, which are errors.
+//! Lines that begin with `#` are comments. Empty lines at the end are ignored; anywhere else they are gaps, which are errors.
 
 use crate::scene::error::{Element, Problem, SceneError};
 use crate::scene::numbers::shown;
@@ -27,7 +27,8 @@ pub(crate) struct Entry {
 pub(crate) fn entries_of_csv(text: &str, file: &Path, owner: &Element) -> Result<Vec<Entry>, SceneError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end();
     let mut entries = Vec::new();
-    for (index, row) in text.lines().enumerate() {
+    let rows = text.lines().enumerate().filter(|(_, row)| !row.trim_start().starts_with('#'));
+    for (place, (index, row)) in rows.enumerate() {
         let refuse = |reason: String| {
             let (file, line, element) = (file.to_path_buf(), Some(index + 1), Some(owner.clone()));
             Err(SceneError { file, line, element, problem: Box::new(Problem::Table(reason)) })
@@ -42,7 +43,7 @@ pub(crate) fn entries_of_csv(text: &str, file: &Path, owner: &Element) -> Result
         };
         match (number(time), number(value)) {
             (Some(time), Some(value)) => entries.push(Entry { line: index + 1, time, value }),
-            (None, None) if index == 0 && !time.is_empty() && !value.is_empty() => {}
+            (None, None) if place == 0 && !time.is_empty() && !value.is_empty() => {}
             (given, _) => {
                 let (what, text) = if given.is_none() { ("time", time) } else { ("value", value) };
                 return match text {
@@ -74,6 +75,7 @@ mod tests {
         let expected = Ok(vec![(2, 0.0, 1.0), (3, 0.5, -2e-3)]);
         assert_eq!(read("time,value\n0,1\n0.5,-2e-3\n"), expected);
         assert_eq!(read("\u{feff}t [s], q [rad]\r\n 0 , 1\r\n0.5,\t-2e-3\r\n\r\n\n"), expected);
+        assert_eq!(read("# made by hand\ntime,value\n # later\n0,1\n"), Ok(vec![(4, 0.0, 1.0)]));
         assert_eq!(read("0,1"), Ok(vec![(1, 0.0, 1.0)]));
         assert_eq!(read(""), Ok(vec![]));
     }
