@@ -151,7 +151,7 @@ fn the_law_of_contact_is_solved_to_a_ten_thousandth_in_a_wall_of_64_bricks_that_
 #[test]
 fn dominoes_that_have_fallen_sleep_although_corners_lie_on_borders_of_faces() {
     let mut text = FLOOR.to_string();
-    for (number, (x, z, tilt)) in std::iter::once((0.022, 0.09977204116386924, 0.22))
+    for (number, (x, z, tilt)) in std::iter::once((0.022, 0.09977204116386924, 0.24))
         .chain((1..20).map(|place| (0.1 * f64::from(place), 0.1, 0.0)))
         .enumerate()
     {
@@ -162,6 +162,6 @@ fn dominoes_that_have_fallen_sleep_although_corners_lie_on_borders_of_faces() {
     }
     let finished = run_of("fallen_dominoes", &text, 4.0, StepChoice::Unestimated(1e-3));
     println!("slept for {} s in {} steps", finished.method.first_order_asleep, finished.summary.steps);
-    // The last one falls after 1.9 s.
+    // The last one falls after 1.5 s. With three of seven tilts of the first one they sleep after 3.6 s only.
     assert!(finished.method.first_order_asleep > 1.5, "{}", finished.method.first_order_asleep);
 }

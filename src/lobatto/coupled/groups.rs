@@ -1,13 +1,14 @@
 //! The groups of equations between trees whose contacts slide, of which some may imply others ([`crate::coupled::dependent`]).
 //!
 //! ```text
-//!     nodes: the trees that float, and the world with all trees on it        edges: pairs of trees that touch
+//!     nodes: the trees that float, and the world with all trees on it        edges: pairs of trees that slide on each other, or that both float and touch
 //!     edges on a circle with one that slides, joined by the trees that they share: one group.  Each other edge that slides: a group of its own
 //! ```
 //!
 //! A block between a wall and the jaw of a vice: the pairs (world, block) and (jaw, block) are two edges between two nodes. Two cards that lean on each
 //! other and slide on a floor: the edge between them sticks, and is on a circle with the others. What an edge on no circle carries from one side to the
-//! other is determined, so that it shares no load with the rest.
+//! other is determined, so that it shares no load with the rest. Beside a tree on the world, what sticks bears what normals do not
+//! (`doc/decisions/033-friction-that-holds.md`).
 
 use catena_mechanism::description::contact::TouchJoint;
 use catena_mechanism::description::joint::JointKind;
@@ -46,8 +47,10 @@ pub(crate) fn sliding_groups(mechanism: &Mechanism, rows_of_closure: &[Range<usi
         }
     }
     let pair = |joint: &TouchJoint| trees_of(mechanism, [joint.a.body, joint.b.body]);
-    found.retain(|group| mechanism.touches.iter().any(|joint| group.pairs == [pair(joint)]));
     let slides = |pairs: &[Ends]| mechanism.rubbing().any(|joint| pairs.contains(&pair(joint)));
+    let floats = |group: &Group| floating_trees(mechanism, &group.pairs[0]).count() == 2;
+    let touches = |group: &Group| mechanism.touches.iter().any(|joint| group.pairs == [pair(joint)]);
+    found.retain(|group| slides(&group.pairs) || floats(group) && touches(group));
     if !found.iter().any(|group| slides(&group.pairs)) {
         return Vec::new();
     }
