@@ -118,7 +118,7 @@ fn too_low(
         } else {
             0.0
         };
-        if rate > 0.0 && rate * rate <= 2.0 * pull * most {
+        if rate > 0.0 && pull > 0.0 && rate * rate <= 2.0 * pull * most {
             let until = state.time + 2.0 * rate / (pull * (1.0 - meeting.restitution));
             low.push(Low { index, until, height: rate * rate / (2.0 * pull), returns: gains < 0.0 });
         }
