@@ -1,9 +1,9 @@
 //! Surfaces that move over their bodies (`surface_velocity`): belts and tracks against closed forms, with the work of their drives.
 
 use crate::common::scratch;
-use crate::scene_files::report;
+use crate::scene_files::{link, report};
 use catena::mechanism::motion::integrator::Rejected;
-use catena::report::{LinkReport, Report};
+use catena::report::Report;
 use std::path::PathBuf;
 
 const GRAVITY: f64 = 9.81;
@@ -20,10 +20,6 @@ fn run(folder: &str, text: &str, duration: f64) -> Report {
     let end = report(&scene(folder, text), &[], &[], Some(duration), 1e-11);
     assert!(end.energy.max_relative_error < 1e-11, "{:?}", end.energy);
     end
-}
-
-fn link<'r>(report: &'r Report, name: &str) -> &'r LinkReport {
-    &report.links.iter().find(|(own, _)| own == name).expect("a link").1
 }
 
 fn near(what: &str, (is, wanted): (f64, f64)) {

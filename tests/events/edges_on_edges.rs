@@ -7,22 +7,8 @@
 //! A body that slides flush over an edge passes. Of two cards that lean on each other, mirror images, each moves as one that leans on a smooth wall: the
 //! force between them has no part along the wall.
 
-use crate::common::scratch;
-use crate::scene_files::report;
-use catena::report::{LinkReport, Report};
+use crate::scene_files::{link, report, written};
 use nalgebra::{Rotation3, Vector3};
-use std::path::PathBuf;
-
-/// A scene file with this text, in a folder of its own.
-fn written(name: &str, text: &str) -> PathBuf {
-    let file = scratch(name).join("scene.toml");
-    std::fs::write(&file, text).expect("a scene");
-    file
-}
-
-fn link<'r>(ended: &'r Report, name: &str) -> &'r LinkReport {
-    &ended.links.iter().find(|(of, _)| of == name).expect("a link").1
-}
 
 /// A box of 0.1 m whose lower front edge lies on the edge of a slab, over which it slides at 1 m/s, all turned about the vertical. The slab has another
 /// one beside it, flush, and both lie on a floor.

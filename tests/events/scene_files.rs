@@ -3,7 +3,7 @@
 use crate::common::scratch;
 use catena::mechanism::description::rules::Rule;
 use catena::prelude::*;
-use catena::report::{Numbers, Report};
+use catena::report::{LinkReport, Numbers, Report};
 use std::path::{Path, PathBuf};
 
 /// Positions and velocities of joints at the start, by name.
@@ -11,9 +11,14 @@ pub type Given<'g> = [(&'g str, f64)];
 
 /// A scene file with this text beside `robot.urdf`, a robot of these links and joints, in a folder of its own.
 pub fn scene_of(folder: &str, robot: &str, text: &str) -> PathBuf {
-    let folder = scratch(folder);
-    std::fs::write(folder.join("robot.urdf"), format!("<robot name='r'>{robot}</robot>")).expect("a robot");
-    let file = folder.join("scene.toml");
+    let file = written(folder, text);
+    std::fs::write(file.with_file_name("robot.urdf"), format!("<robot name='r'>{robot}</robot>")).expect("a robot");
+    file
+}
+
+/// A scene file with this text, in a folder of its own.
+pub fn written(folder: &str, text: &str) -> PathBuf {
+    let file = scratch(folder).join("scene.toml");
     std::fs::write(&file, text).expect("a scene");
     file
 }
@@ -38,6 +43,11 @@ pub fn report_in_one(file: &Path, duration: f64, tolerance: f64) -> Report {
     let mut simulation = Simulation::new(&model).tolerance(tolerance).duration(duration).keep(Rule::Islands);
     simulation.run().unwrap_or_else(|error| panic!("{}: {error}", file.display()));
     simulation.finish().expect("a report")
+}
+
+/// A link at the end.
+pub fn link<'r>(report: &'r Report, name: &str) -> &'r LinkReport {
+    &report.links.iter().find(|(of, _)| of == name).expect("a link").1
 }
 
 /// Position and velocity of a joint with one coordinate at the end.

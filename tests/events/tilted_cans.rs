@@ -1,8 +1,7 @@
 //! Cans that stand on their ends up to roundings of their tilt: points on the rim stand for an end that is tilted by less than 1e-9 rad, and what lies
 //! between these points is a little deeper. That overlap is put right by as much as it is, at starts and in steps of first order.
 
-use crate::common::scratch;
-use crate::scene_files::report;
+use crate::scene_files::{link, report, written};
 use catena::prelude::*;
 use catena::report::Report;
 use std::path::PathBuf;
@@ -17,17 +16,9 @@ fn scene(name: &str, [roll, pitch]: [f64; 2], spin: f64, other: &str) -> PathBuf
     written(name, &text)
 }
 
-/// A scene file with this text, in a folder of its own.
-fn written(name: &str, text: &str) -> PathBuf {
-    let file = scratch(name).join("scene.toml");
-    std::fs::write(&file, text).expect("a scene");
-    file
-}
-
 /// The height of the centre of a link at the end (m).
 fn height(report: &Report, name: &str) -> f64 {
-    let link = report.links.iter().find(|(of, _)| of == name);
-    link.expect("a link").1.center_of_mass[2]
+    link(report, name).center_of_mass[2]
 }
 
 #[test]

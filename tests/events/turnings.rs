@@ -5,9 +5,9 @@
 //! `v̇ = −g (ρ cos α/r ± sin α)/1.4`, and its spin about the normal `ω̇ = −σ m g cos α/I`.
 
 use crate::common::scratch;
-use crate::scene_files::report;
+use crate::scene_files::{link, report};
 use catena::prelude::{Model, Simulation};
-use catena::report::{LinkReport, Report};
+use catena::report::Report;
 
 const GRAVITY: f64 = 9.81;
 /// Closed forms are met to this (s, m, rad/s, J): tolerances of 1e-11 m and their factors of some ten in velocities and energies.
@@ -33,10 +33,6 @@ fn run(folder: &str, text: &str, duration: f64) -> Report {
     assert!(end.energy.max_relative_error < 1e-12, "{:?}", end.energy);
     assert!(end.warnings.is_empty(), "{:?}", end.warnings);
     end
-}
-
-fn link<'r>(report: &'r Report, name: &str) -> &'r LinkReport {
-    &report.links.iter().find(|(own, _)| own == name).expect("a link").1
 }
 
 /// The kinds and times of the events (s).

@@ -17,6 +17,7 @@ use crate::instant::holding::touching::Touching;
 use crate::instant::moved::Moved;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::disjoint_sets::DisjointSets;
 use crate::mechanism::structure::islands::first_of_parts;
 
 /// D over the smaller shape of a pair, and T (s). Bodies that are nearer than their size will be a pile, which costs less as one.
@@ -49,14 +50,17 @@ impl Meeting {
             Moved { place: velocity.norm(), turn: angular_velocity.norm() }.of_reach(reach)
         };
         let ahead = LENGTHS[1] / AHEAD;
-        let mut first = self.part.clone();
+        let mut joined = DisjointSets::new(self.part.len());
+        for (body, &first) in self.part.iter().enumerate() {
+            joined.unite(body, first);
+        }
         let mut soonest = f64::INFINITY;
         let near = Near::within(&self.touching.pairs, bodies, |body| {
             ahead * fastest(body, self.touching.pairs.reach_of(body)) + NEAR * self.touching.pairs.reach_of(body)
         });
         for &pair in near.pairs() {
             let [Some(a), Some(b)] = self.touching.pairs.bodies_of(pair) else { continue };
-            if group_of(&first, a) == group_of(&first, b) {
+            if joined.first(a) == joined.first(b) {
                 continue;
             }
             let of = &self.touching.pairs[pair];
@@ -65,23 +69,12 @@ impl Meeting {
             let close = stay * NEAR * of.arm();
             let gap = self.touching.distance_within(pair, bodies, close.max(ahead * speed));
             if gap <= close || gap <= stay * SOON * speed {
-                let (one, other) = (group_of(&first, a), group_of(&first, b));
-                first[one.max(other)] = one.min(other);
+                joined.unite(a, b);
             } else if speed > 0.0 {
                 soonest = soonest.min(gap / speed);
             }
         }
-        let mut numbers = vec![usize::MAX; first.len()];
-        let mut count = 0;
-        let groups = (0..first.len()).map(|body| {
-            let own = group_of(&first, body);
-            if numbers[own] == usize::MAX {
-                numbers[own] = count;
-                count += 1;
-            }
-            numbers[own]
-        });
-        (groups.collect(), (AHEAD * soonest).clamp(LENGTHS[0], LENGTHS[1]))
+        (joined.numbers(), (AHEAD * soonest).clamp(LENGTHS[0], LENGTHS[1]))
     }
 
     /// Two groups of bodies that may have met, for each pair of groups of which that is true, where bodies have moved from these places.
@@ -105,14 +98,6 @@ impl Meeting {
         }
         met
     }
-}
-
-/// The first body of the group of a body; each points to one before it.
-fn group_of(first: &[usize], mut body: usize) -> usize {
-    while first[body] != body {
-        body = first[body];
-    }
-    body
 }
 
 #[cfg(test)]

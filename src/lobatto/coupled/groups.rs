@@ -13,6 +13,7 @@
 use catena_mechanism::description::contact::TouchJoint;
 use catena_mechanism::description::joint::JointKind;
 use catena_mechanism::description::mechanism::Mechanism;
+use catena_mechanism::ground::disjoint_sets::DisjointSets;
 use std::ops::Range;
 
 /// The ends of an equation: trees, named by their first bodies, or bodies.
@@ -54,58 +55,42 @@ pub(crate) fn sliding_groups(mechanism: &Mechanism, rows_of_closure: &[Range<usi
     if !found.iter().any(|group| slides(&group.pairs)) {
         return Vec::new();
     }
-    let mut groups = join_around(mechanism, found);
+    let mut groups = join_around(mechanism, &found);
     groups.retain(|group| slides(&group.pairs));
     groups
 }
 
 /// Puts the equations of pairs on circles together, from tree to tree: trees on the world count as the world, which ends the way.
-fn join_around(mechanism: &Mechanism, found: Vec<Group>) -> Vec<Group> {
-    let nodes: Vec<Ends> = found
-        .iter()
-        .map(|group| group.pairs[0].map(|tree| tree.filter(|&first| is_floating(mechanism, first))))
-        .collect();
-    let on_circle: Vec<bool> = (0..nodes.len()).map(|edge| is_on_circle(&nodes, edge)).collect();
-    let mut left: Vec<usize> = (0..nodes.len()).collect();
-    let mut found: Vec<Option<Group>> = found.into_iter().map(Some).collect();
-    let mut joined = Vec::new();
-    while !left.is_empty() {
-        let mut part = vec![left.remove(0)];
-        let shares = |one: usize, other: usize| {
-            on_circle[one]
-                && on_circle[other]
-                && nodes[one].iter().flatten().any(|tree| nodes[other].contains(&Some(*tree)))
-        };
-        while let Some(next) = left.iter().position(|&other| part.iter().any(|&one| shares(one, other))) {
-            part.push(left.remove(next));
+fn join_around(mechanism: &Mechanism, found: &[Group]) -> Vec<Group> {
+    let floats = |tree: &usize| is_floating(mechanism, *tree);
+    let nodes: Vec<Ends> = found.iter().map(|group| group.pairs[0].map(|tree| tree.filter(floats))).collect();
+    let circles: Vec<usize> =
+        (0..nodes.len()).filter(|&edge| is_on_circle(mechanism.bodies.len(), &nodes, edge)).collect();
+    let mut joined = DisjointSets::new(nodes.len());
+    // The first edge at each tree.
+    let mut first = vec![None; mechanism.bodies.len()];
+    for &edge in &circles {
+        for &tree in nodes[edge].iter().flatten() {
+            joined.unite(edge, *first[tree].get_or_insert(edge));
         }
-        let mut around = Group { pairs: Vec::new(), rows: Vec::new() };
-        for Group { pairs, rows } in part.into_iter().filter_map(|edge| found[edge].take()) {
-            around.pairs.extend(pairs);
-            around.rows.extend(rows);
-        }
-        joined.push(around);
     }
-    joined
+    let around = |part: Vec<usize>| Group {
+        pairs: part.iter().flat_map(|&edge| found[edge].pairs.clone()).collect(),
+        rows: part.iter().flat_map(|&edge| found[edge].rows.clone()).collect(),
+    };
+    joined.parts().into_iter().map(around).collect()
 }
 
-/// Whether a way along other edges leads from one node of an edge to its other node.
-fn is_on_circle(nodes: &[Ends], edge: usize) -> bool {
-    let [from, to] = nodes[edge];
-    let mut reached = vec![from];
-    let mut place = 0;
-    while let Some(&node) = reached.get(place) {
-        let others = nodes.iter().enumerate().filter(|(other, _)| *other != edge);
-        for (_, [one, other]) in others {
-            for (near, far) in [(one, other), (other, one)] {
-                if *near == node && !reached.contains(far) {
-                    reached.push(*far);
-                }
-            }
-        }
-        place += 1;
+/// Whether a way along other edges leads from one node of an edge to its other node, between the world and trees of this number of bodies.
+fn is_on_circle(bodies: usize, nodes: &[Ends], edge: usize) -> bool {
+    let mut joined = DisjointSets::new(bodies + 1);
+    let numbered = |ends: &Ends| ends.map(|tree| tree.unwrap_or(bodies));
+    for (_, ends) in nodes.iter().enumerate().filter(|(other, _)| *other != edge) {
+        let [one, other] = numbered(ends);
+        joined.unite(one, other);
     }
-    reached.contains(&to)
+    let [from, to] = numbered(&nodes[edge]);
+    joined.first(from) == joined.first(to)
 }
 
 /// The trees at the ends of an equation, in order.
@@ -150,9 +135,9 @@ mod tests {
             [Some(3), None],
             [None, Some(4)],
         ];
-        let on_circle: Vec<bool> = (0..nodes.len()).map(|edge| is_on_circle(&nodes, edge)).collect();
+        let on_circle: Vec<bool> = (0..nodes.len()).map(|edge| is_on_circle(5, &nodes, edge)).collect();
         assert_eq!(on_circle, [true, true, true, false, true, true, false]);
         // Links of one tree that touch each other are a circle by themselves.
-        assert!(is_on_circle(&[[Some(0), Some(0)]], 0));
+        assert!(is_on_circle(1, &[[Some(0), Some(0)]], 0));
     }
 }

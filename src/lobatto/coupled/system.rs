@@ -41,8 +41,8 @@ pub const PROXIMAL: f64 = 1e-8;
 /// equations would make undetermined multipliers a million times as large as the constraint forces of the mechanism, and their roundings move it.
 pub const IMPLIED: f64 = 1e-2;
 
-/// ε of contacts of which some imply others through joints or around several trees. The elimination rounds their gaps, and ε divides this rounding to a force that friction
-/// feels; a body alone has less rounding.
+/// ε of contacts of which some imply others through joints or around several trees. The elimination rounds their gaps, and ε divides this rounding to a
+/// force that friction feels; a body alone has less rounding.
 pub const SHARED: f64 = 1e-6;
 
 /// A force and its torque about the common origin, or a twist, in the first components: six of them in space, three in a plane.

@@ -13,6 +13,7 @@
 //! ladders that hang by one end. The best of them is improved by exchanges: one closure comes in, one joint of its circuit goes out, while that is
 //! less work.
 
+use catena_mechanism::ground::disjoint_sets::DisjointSets;
 use catena_mechanism::structure::spanning_tree::{Edge, Graph, Hang, Link, SpanningTree};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -95,24 +96,14 @@ fn latest(graph: &Graph, order: &[(usize, Option<usize>)]) -> Vec<usize> {
 
 /// A spanning tree of the links that must be in it, then of the preferred ones, then of the others.
 fn spanning(graph: &Graph, preferred: Vec<usize>) -> Vec<bool> {
-    let mut root: Vec<usize> = (0..=graph.bodies).collect();
+    let mut joined = DisjointSets::new(graph.bodies + 1);
     let mut used = vec![false; graph.links.len()];
     let fixed = (0..graph.links.len()).filter(|&link| graph.links[link].fixed);
     for link in fixed.chain(preferred).chain(0..graph.links.len()).filter(|&link| graph.links[link].edge.is_some()) {
-        let [a, b] = graph.links[link].ends.map(|end| find(&mut root, end.unwrap_or(graph.bodies)));
-        if a != b {
-            (root[a.min(b)], used[link]) = (a.max(b), true);
-        }
+        let [a, b] = graph.links[link].ends.map(|end| end.unwrap_or(graph.bodies));
+        used[link] |= joined.unite(a, b);
     }
     used
-}
-
-fn find(root: &mut [usize], mut node: usize) -> usize {
-    while root[node] != node {
-        root[node] = root[root[node]];
-        node = root[node];
-    }
-    node
 }
 
 /// A spanning tree with its root in the world.

@@ -10,6 +10,7 @@
 use crate::description::closure::Attachment;
 use crate::description::mechanism::{Body, Mechanism};
 use crate::description::nonsmooth::Nonsmooth;
+use crate::ground::disjoint_sets::DisjointSets;
 use crate::motion::state::State;
 use crate::structure::renumbering::Renumbering;
 use std::ops::Range;
@@ -78,56 +79,43 @@ fn add_body(pieces: &mut Vec<Piece>, mechanism: &Mechanism, index: usize) {
 /// The number of the island of every body.
 fn island_of_each_body(mechanism: &Mechanism) -> Vec<usize> {
     let ropes = mechanism.nonsmooth.reevings.iter().flat_map(|rope| joined_by_rope(&rope.points));
-    let firsts = firsts_of(mechanism, touching_ends(&mechanism.nonsmooth).chain(ropes));
-    let mut numbers = vec![0; firsts.len()];
-    let mut count = 0;
-    for (index, &first) in firsts.iter().enumerate() {
-        if first == index {
-            numbers[index] = count;
-            count += 1;
-        } else {
-            numbers[index] = numbers[first];
-        }
-    }
-    numbers
+    tied(mechanism, touching_ends(&mechanism.nonsmooth).chain(ropes)).numbers()
 }
 
 /// For every body the first body to which its joints, closures, mimic relations and springs tie it now, without pairs that may touch and ropes that may
 /// go taut.
 pub fn first_of_tied(mechanism: &Mechanism) -> Vec<usize> {
-    firsts_of(mechanism, std::iter::empty())
+    tied(mechanism, std::iter::empty()).firsts()
 }
 
 /// The same with ropes: only pairs of shapes can bring its parts together.
 pub fn first_of_parts(mechanism: &Mechanism) -> Vec<usize> {
-    firsts_of(mechanism, mechanism.nonsmooth.reevings.iter().flat_map(|rope| joined_by_rope(&rope.points)))
+    tied(mechanism, mechanism.nonsmooth.reevings.iter().flat_map(|rope| joined_by_rope(&rope.points))).firsts()
 }
 
 /// For every body the first body to which its joints, closures and mimic relations connect it: bodies that share equations of motion.
 pub fn first_of_connected(mechanism: &Mechanism) -> Vec<usize> {
-    firsts_beside(mechanism, std::iter::empty())
+    connected(mechanism, std::iter::empty()).firsts()
 }
 
-/// The same with springs and ropes that are taut, where other pairs of bodies are tied as well.
-fn firsts_of(mechanism: &Mechanism, others: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
+/// The bodies that joints, closures, mimic relations, springs, taut ropes and other pairs of bodies tie.
+fn tied(mechanism: &Mechanism, others: impl Iterator<Item = (usize, usize)>) -> DisjointSets {
     let springs = mechanism.forces.point_springs.iter().filter_map(|spring| spring.a.body.zip(spring.b.body));
     let ropes = mechanism.touches.iter().flat_map(|joint| joined_by_rope(&joint.reeved));
-    firsts_beside(mechanism, springs.chain(ropes).chain(others))
+    connected(mechanism, springs.chain(ropes).chain(others))
 }
 
-/// The first bodies to which joints, closures, mimic relations and other pairs of bodies connect each body.
-fn firsts_beside(mechanism: &Mechanism, others: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
-    // Every body points to an earlier one of its island; one that points to itself is the first.
-    let mut earlier: Vec<usize> =
-        mechanism.bodies.iter().enumerate().map(|(index, body)| body.parent.unwrap_or(index)).collect();
+/// The bodies that joints, closures, mimic relations and other pairs of bodies connect.
+fn connected(mechanism: &Mechanism, others: impl Iterator<Item = (usize, usize)>) -> DisjointSets {
+    let mut bodies = DisjointSets::new(mechanism.bodies.len());
+    let joints = mechanism.bodies.iter().enumerate().filter_map(|(index, body)| Some((index, body.parent?)));
     let loops = mechanism.closing_ends().filter_map(|[a, b]| a.body.zip(b.body));
     let mimics = mechanism.mimics.iter();
     let mimics = mimics.flat_map(|mimic| mimic.terms().skip(1).map(|(own, _)| (mimic.follower.body, own.body)));
-    for (one, other) in loops.chain(mimics).chain(others) {
-        let (one, other) = (first_of(&mut earlier, one), first_of(&mut earlier, other));
-        earlier[one.max(other)] = one.min(other);
+    for (one, other) in joints.chain(loops).chain(mimics).chain(others) {
+        bodies.unite(one, other);
     }
-    (0..earlier.len()).map(|index| first_of(&mut earlier, index)).collect()
+    bodies
 }
 
 /// The bodies at the points of a rope, each with the first of them.
@@ -150,15 +138,6 @@ fn touching_ends(nonsmooth: &Nonsmooth) -> impl Iterator<Item = (usize, usize)> 
         let count = if known { 1 } else { run.count };
         others.take(count).filter_map(move |other| body(run.first.a).zip(body(other)))
     })
-}
-
-/// The first body of the island; shortens the way there for the next time.
-fn first_of(earlier: &mut [usize], mut body: usize) -> usize {
-    while earlier[body] != body {
-        earlier[body] = earlier[earlier[body]];
-        body = earlier[body];
-    }
-    body
 }
 
 impl Island {

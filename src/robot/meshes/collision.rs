@@ -5,6 +5,7 @@
 //! triangles are turned round so that they stay counterclockwise from outside.
 
 use crate::mechanism::description::contact::Surface;
+use crate::mechanism::ground::disjoint_sets::DisjointSets;
 use crate::meshes::error::MeshError;
 use crate::meshes::{ending_of, read_surface};
 use nalgebra::Vector3;
@@ -83,31 +84,19 @@ fn surface(triangles: impl Iterator<Item = [Vector3<f64>; 3]>, scale: &Vector3<f
 
 /// The connected parts of a surface, in the order of their first vertices.
 pub fn connected_parts(surface: &Surface) -> Vec<Surface> {
-    let mut above: Vec<u32> = (0..surface.vertices.len() as u32).collect();
-    fn root(above: &mut [u32], mut vertex: u32) -> u32 {
-        while above[vertex as usize] != vertex {
-            above[vertex as usize] = above[above[vertex as usize] as usize];
-            vertex = above[vertex as usize];
-        }
-        vertex
+    let mut joined = DisjointSets::new(surface.vertices.len());
+    for corners in &surface.triangles {
+        let [a, b, c] = corners.map(|corner| corner as usize);
+        joined.unite(a, b);
+        joined.unite(a, c);
     }
-    for &[a, b, c] in &surface.triangles {
-        let first = root(&mut above, a);
-        for other in [b, c] {
-            let other = root(&mut above, other);
-            above[other as usize] = first;
-        }
-    }
-    let mut number_of: HashMap<u32, usize> = HashMap::new();
     let mut parts: Vec<Surface> = Vec::new();
     // Part and number in the part of each vertex.
     let mut places: Vec<(usize, u32)> = Vec::with_capacity(surface.vertices.len());
-    for (vertex, point) in surface.vertices.iter().enumerate() {
-        let root = root(&mut above, vertex as u32);
-        let part = *number_of.entry(root).or_insert_with(|| {
+    for (part, point) in joined.numbers().into_iter().zip(&surface.vertices) {
+        if part == parts.len() {
             parts.push(Surface::default());
-            parts.len() - 1
-        });
+        }
         places.push((part, parts[part].vertices.len() as u32));
         parts[part].vertices.push(*point);
     }

@@ -1,6 +1,6 @@
 //! The CSV file of a list of runs: key paths in the first line, numbers in all others, one line a run. Lines that begin with `#` are comments.
 
-use crate::scene::{Problem, SceneError};
+use crate::scene::{Problem, SceneError, rows_of_csv};
 use std::path::Path;
 
 /// A list of runs.
@@ -20,15 +20,13 @@ pub(super) struct List {
 /// # Errors
 /// [`SceneError`] with the line, if a line does not have one finite number for each key path.
 pub(super) fn read_list(text: &str, file: &Path) -> Result<List, SceneError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end();
     let refuse = |line: usize, reason: String| SceneError {
         file: file.to_path_buf(),
         line: Some(line),
         element: None,
         problem: Box::new(Problem::Table(reason)),
     };
-    let numbered = text.lines().enumerate().map(|(index, row)| (index + 1, row));
-    let mut rows = numbered.filter(|(_, row)| !row.trim_start().starts_with('#'));
+    let mut rows = rows_of_csv(text);
     let (first, header) = rows.next().unwrap_or((1, ""));
     let keys: Vec<String> = header.split(',').map(|key| key.trim().trim_matches('"').to_string()).collect();
     if let Some(number) = keys.iter().find(|key| key.is_empty() || key.parse::<f64>().is_ok()) {

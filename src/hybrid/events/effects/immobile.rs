@@ -13,7 +13,7 @@
 use crate::events::effects::decision::{Candidate, Scene};
 use crate::events::effects::shared_loads::shared_with_braked;
 use crate::events::modes::mode::{Closed, JointMode, Mode};
-use crate::instant::cone::apart::parts_joined;
+use crate::instant::cone::apart::parts_of;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Row, Rows, least_answer, row_of_freedom, row_of_torque, rows_of_contact};
 use crate::instant::holding::elements::Elements;
@@ -249,7 +249,7 @@ fn pseudo_inverse(square: &DMatrix<f64>) -> DMatrix<f64> {
     let least = least_answer(square);
     let scale = |own: f64| if own > least { 1.0 / own.sqrt() } else { 0.0 };
     let inverse: Vec<f64> = (0..count).map(|row| scale(square[(row, row)])).collect();
-    let parts = parts_joined(count, |row, column| square[(row, column)] != 0.0);
+    let parts = parts_of(square);
     let scaled = |part: &[usize]| {
         let entry = |row: usize, column: usize| square[(row, column)] * inverse[row] * inverse[column];
         DMatrix::from_fn(part.len(), part.len(), |row, column| entry(part[row], part[column])).symmetric_eigen()

@@ -8,7 +8,7 @@
 //! with which it presses, no contact would press, and the corners that slide would not be braked.
 
 use crate::events::modes::mode::{Closed, JointMode, Mode};
-use crate::instant::cone::apart::{parts_joined, parts_of, sub_matrix, with_unit_diagonal};
+use crate::instant::cone::apart::{parts_of, sub_matrix, with_unit_diagonal};
 use crate::instant::cone::sharing::implied;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::blocks::{Row, Rows, least_answer, row_of_freedom, rows_of_contact};
@@ -68,12 +68,13 @@ fn parts_that_share(square: &DMatrix<f64>) -> Vec<Vec<usize>> {
     let mut found = Vec::new();
     for rows in parts_of(&scaled) {
         let combinations = implied(sub_matrix(&scaled, &rows)).unwrap_or_default();
-        let joins = |one: usize, other: usize| {
+        let together = DMatrix::from_fn(rows.len(), rows.len(), |one, other| {
             let together: f64 = combinations.iter().map(|combination| combination[one] * combination[other]).sum();
-            together.abs() > PART
-        };
-        let parts = parts_joined(rows.len(), joins).into_iter();
-        found.extend(parts.map(|part| part.into_iter().map(|place| answers[rows[place]]).collect()));
+            if together.abs() > PART { together } else { 0.0 }
+        });
+        found.extend(
+            parts_of(&together).into_iter().map(|part| part.into_iter().map(|place| answers[rows[place]]).collect()),
+        );
     }
     found
 }

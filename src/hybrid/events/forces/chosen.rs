@@ -7,11 +7,12 @@
 //!
 //! in scaled rows, so that singularity does not depend on units.
 
-use crate::instant::cone::apart::{Groups, entries_of, parts_joined, parts_of, sub_matrix};
+use crate::instant::cone::apart::{parts_of, sub_matrix, unite_entries};
 use crate::instant::cone::least_norm::least_norm;
 use crate::instant::cone::problem::Law;
 use crate::instant::cone::sharing::implied;
 use crate::instant::holding::blocks::{Block, Of, least_answer};
+use crate::mechanism::ground::disjoint_sets::DisjointSets;
 use nalgebra::{DMatrix, DVector};
 
 /// Held rows whose response is singular to this part are redundant.
@@ -89,10 +90,12 @@ impl Chosen {
 
     /// The equations in groups without any entry of D̃ between them; some of the groups may fall apart further.
     fn groups(&self, mobility: &DMatrix<f64>) -> Vec<Vec<usize>> {
-        let mut rows = Groups::new(mobility.nrows());
-        entries_of(mobility, |row, column| rows.unite(row, column));
+        let mut rows = DisjointSets::new(mobility.nrows());
+        unite_entries(mobility, &mut rows);
         for (row, pushes) in &self.equations {
-            pushes.iter().for_each(|(beside, _)| rows.unite(*row, *beside));
+            for (beside, _) in pushes {
+                rows.unite(*row, *beside);
+            }
         }
         let mut of_rows = vec![None; mobility.nrows()];
         for (equation, (row, _)) in self.equations.iter().enumerate() {
@@ -168,11 +171,10 @@ impl Chosen {
         for group in self.groups(mobility) {
             let scaled = self.scaled(mobility, true, &scales, &group);
             let plain = even.map(|even| (self.scaled(mobility, false, &scales, &group), even));
-            let joins = |one: usize, other: usize| {
-                let joined = |matrix: &DMatrix<f64>| matrix[(one, other)] != 0.0 || matrix[(other, one)] != 0.0;
-                joined(&scaled) || plain.as_ref().is_some_and(|(plain, _)| joined(plain))
-            };
-            for part in parts_joined(group.len(), joins) {
+            let mut joined = DisjointSets::new(group.len());
+            unite_entries(&scaled, &mut joined);
+            plain.iter().for_each(|(plain, _)| unite_entries(plain, &mut joined));
+            for part in joined.parts() {
                 let (own, equations) = (sub_matrix(&scaled, &part), part.iter().map(|&place| group[place]));
                 let equations: Vec<usize> = equations.collect();
                 let right = equations.iter().map(|&row| -offset[self.equations[row].0] * scales[row]);

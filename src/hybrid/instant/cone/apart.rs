@@ -7,6 +7,7 @@
 //! Bodies that stand beside each other on a floor do not feel each other's forces.
 
 use crate::instant::cone::problem::{Answer, Law, Problem};
+use crate::mechanism::ground::disjoint_sets::DisjointSets;
 use nalgebra::DMatrix;
 use std::ops::Range;
 
@@ -89,9 +90,9 @@ pub(crate) fn with_unit_diagonal(matrix: &DMatrix<f64>, own: &[usize]) -> (DMatr
 
 /// The rows of a square matrix in parts without any entry between them.
 pub(crate) fn parts_of(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
-    let mut groups = Groups::new(matrix.nrows());
-    entries_of(matrix, |row, column| groups.unite(row, column));
-    groups.parts()
+    let mut rows = DisjointSets::new(matrix.nrows());
+    unite_entries(matrix, &mut rows);
+    rows.parts()
 }
 
 /// The blocks that feel each other, each with a range of rows, in the order of their first; of a mobility whose zeros are symmetric.
@@ -100,13 +101,20 @@ pub(crate) fn blocks_joined(mobility: &DMatrix<f64>, ranges: &[Range<usize>]) ->
     for (block, range) in ranges.iter().enumerate() {
         owners[range.clone()].fill(Some(block));
     }
-    let mut groups = Groups::new(ranges.len());
+    let mut blocks = DisjointSets::new(ranges.len());
     entries_of(mobility, |row, column| {
         if let (Some(one), Some(other)) = (owners[row], owners[column]) {
-            groups.unite(one, other);
+            blocks.unite(one, other);
         }
     });
-    groups.parts()
+    blocks.parts()
+}
+
+/// Unites the rows of a square matrix that have an entry between them.
+pub(crate) fn unite_entries(matrix: &DMatrix<f64>, rows: &mut DisjointSets) {
+    entries_of(matrix, |row, column| {
+        rows.unite(row, column);
+    });
 }
 
 /// Calls `found` for the row and the column of each entry of a matrix that is not zero.
@@ -126,73 +134,6 @@ pub(crate) fn entries_of(matrix: &DMatrix<f64>, mut found: impl FnMut(usize, usi
 /// Entries that are looked at together.
 const RUN: usize = 16;
 
-/// The numbers below a count in groups, which are united by pairs of their members.
-pub(crate) struct Groups {
-    /// For each number itself or a smaller one of its group.
-    before: Vec<usize>,
-}
-
-impl Groups {
-    /// Each number alone.
-    pub fn new(count: usize) -> Self {
-        Groups { before: (0..count).collect() }
-    }
-
-    /// The first number of the group of a number.
-    fn first(&mut self, mut number: usize) -> usize {
-        while self.before[number] != number {
-            self.before[number] = self.before[self.before[number]];
-            number = self.before[number];
-        }
-        number
-    }
-
-    /// Makes the groups of two numbers one.
-    pub fn unite(&mut self, one: usize, other: usize) {
-        let (one, other) = (self.first(one), self.first(other));
-        self.before[one.max(other)] = one.min(other);
-    }
-
-    /// The groups, each in order, in the order of their first.
-    pub fn parts(mut self) -> Vec<Vec<usize>> {
-        let (mut parts, mut places) = (Vec::<Vec<usize>>::new(), vec![0; self.before.len()]);
-        for number in 0..self.before.len() {
-            let first = self.first(number);
-            if first == number {
-                places[number] = parts.len();
-                parts.push(Vec::new());
-            }
-            parts[places[first]].push(number);
-        }
-        parts
-    }
-}
-
-/// The numbers below a count in parts that are joined, directly or by others; each part in order, and the parts in the order of their first.
-pub(crate) fn parts_joined(count: usize, joins: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
-    let mut left: Vec<usize> = (0..count).collect();
-    let mut parts = Vec::new();
-    while let Some(&first) = left.first() {
-        let mut part = vec![first];
-        left.remove(0);
-        let mut place = 0;
-        while place < part.len() {
-            let own = part[place];
-            left.retain(|&other| {
-                let joined = joins(own, other);
-                if joined {
-                    part.push(other);
-                }
-                !joined
-            });
-            place += 1;
-        }
-        part.sort_unstable();
-        parts.push(part);
-    }
-    parts
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -201,6 +142,31 @@ mod tests {
     use crate::instant::cone::{margin, solve, solve_apart};
     use crate::mechanism::motion::contact_solvers::ContactSolvers;
     use nalgebra::Vector3;
+
+    /// The literal twin: the numbers below a count in parts that are joined, directly or by others; each part in order, and the parts in the order of their first.
+    fn parts_joined(count: usize, joins: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+        let mut left: Vec<usize> = (0..count).collect();
+        let mut parts = Vec::new();
+        while let Some(&first) = left.first() {
+            let mut part = vec![first];
+            left.remove(0);
+            let mut place = 0;
+            while place < part.len() {
+                let own = part[place];
+                left.retain(|&other| {
+                    let joined = joins(own, other);
+                    if joined {
+                        part.push(other);
+                    }
+                    !joined
+                });
+                place += 1;
+            }
+            part.sort_unstable();
+            parts.push(part);
+        }
+        parts
+    }
 
     #[test]
     fn parts_found_entry_by_entry_are_those_found_pair_by_pair() {

@@ -13,13 +13,14 @@
 //! `r` along the rows change velocities and accelerations by `Y Wᵀ r`. Surfaces that move over their bodies add their velocity w to the rates along
 //! tangents, `u = W v + w`, and their drives do the work `−w · r`.
 
-use crate::instant::cone::apart::{Groups, entries_of};
+use crate::instant::cone::apart::entries_of;
 use crate::instant::cone::problem::Law;
 use crate::instant::dynamics::response::Response;
 use crate::instant::holding::elements::Elements;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::description::mechanism::Mechanism;
+use crate::mechanism::ground::disjoint_sets::DisjointSets;
 use crate::mechanism::motion::efforts::efforts_of_wrenches;
 use crate::mechanism::motion::kinematics::{BodyAcceleration, body_accelerations};
 use crate::mechanism::motion::reeved::pulls;
@@ -286,18 +287,20 @@ pub fn least_answer(square: &DMatrix<f64>) -> f64 {
 
 /// Rows in parts that have no freedom in common, neither of their entries nor of their responses (n × m).
 fn rows_joined(entries: &[Vec<(usize, f64)>], columns: &DMatrix<f64>) -> Vec<Vec<usize>> {
-    let mut groups = Groups::new(entries.len());
+    let mut rows = DisjointSets::new(entries.len());
     // The first row with an entry for each freedom.
     let mut first = vec![None; columns.nrows()];
     for (row, entries) in entries.iter().enumerate() {
-        entries.iter().for_each(|&(freedom, _)| groups.unite(row, *first[freedom].get_or_insert(row)));
+        for &(freedom, _) in entries {
+            rows.unite(row, *first[freedom].get_or_insert(row));
+        }
     }
     entries_of(columns, |freedom, row| {
         if let Some(other) = first[freedom] {
-            groups.unite(row, other);
+            rows.unite(row, other);
         }
     });
-    groups.parts()
+    rows.parts()
 }
 
 impl Rows {

@@ -17,6 +17,7 @@
 //! must not 2e-15 (lengths spread by 1e6: 4e-10 and 8e-12). Source: P. Businger, G. Golub, Numerische Mathematik 7 (1965) 269, with rows for columns.
 
 use crate::description::mechanism::Mechanism;
+use crate::ground::disjoint_sets::DisjointSets;
 use crate::motion::kinematics::body_states;
 use crate::motion::state::State;
 use crate::structure::ranks::rows::{Row, closure_rows};
@@ -154,35 +155,19 @@ impl Ranks {
 
 /// The freedoms and the rows of every block of rows that share freedoms; a freedom in no row is a block alone.
 fn blocks(rows: &[Row], count: usize) -> Vec<(Vec<usize>, Vec<usize>)> {
-    // Every freedom points to an earlier one of its block; one that points to itself is the first.
-    let mut earlier: Vec<usize> = (0..count).collect();
-    let first = |earlier: &mut [usize], mut freedom: usize| {
-        while earlier[freedom] != freedom {
-            earlier[freedom] = earlier[earlier[freedom]];
-            freedom = earlier[freedom];
-        }
-        freedom
-    };
+    let mut freedoms = DisjointSets::new(count);
     for row in rows {
         for pair in row.entries.windows(2) {
-            let (one, other) = (first(&mut earlier, pair[0].0), first(&mut earlier, pair[1].0));
-            earlier[one.max(other)] = one.min(other);
+            freedoms.unite(pair[0].0, pair[1].0);
         }
     }
-    let mut number = vec![usize::MAX; count];
-    let mut blocks: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
-    for freedom in 0..count {
-        let head = first(&mut earlier, freedom);
-        if number[head] == usize::MAX {
-            number[head] = blocks.len();
-            blocks.push((Vec::new(), Vec::new()));
-        }
-        blocks[number[head]].0.push(freedom);
-    }
+    let number = freedoms.clone().numbers();
+    let mut blocks: Vec<(Vec<usize>, Vec<usize>)> =
+        freedoms.parts().into_iter().map(|freedoms| (freedoms, Vec::new())).collect();
     for (index, row) in rows.iter().enumerate() {
         // A row without freedoms stays implied.
         if let Some(&(freedom, _)) = row.entries.first() {
-            blocks[number[first(&mut earlier, freedom)]].1.push(index);
+            blocks[number[freedom]].1.push(index);
         }
     }
     blocks

@@ -330,6 +330,7 @@ fn has_joint(body: &Element) -> bool {
     body.children.iter().any(has)
 }
 
-fn is_free(joint: &Element) -> bool {
+/// Whether a joint of a body is a free one.
+pub(super) fn is_free(joint: &Element) -> bool {
     joint.name == "freejoint" || (joint.name == "joint" && joint.text("type") == Some("free"))
 }

@@ -12,6 +12,7 @@
 //!
 //! Source: MuJoCo documentation, XML reference, `body/freejoint/align`, and what MuJoCo 4.0 computes.
 
+use crate::scene::mjcf_reading::bodies::is_free;
 use crate::scene::mjcf_reading::mass::MassOf;
 use crate::scene::mjcf_reading::parts::FreeFrame;
 use crate::scene::mjcf_reading::reader::Reader;
@@ -22,7 +23,6 @@ impl Reader<'_> {
     /// The frame of a body with a free joint; `mass` is the mass of a body without children, `is_one` says that no parts compose it.
     pub fn free_frame(&self, body: &Element, mass: Option<&MassOf>, is_one: bool) -> FreeFrame {
         let own = body.all("freejoint").next().and_then(|free| free.flag("align"));
-        let is_free = |joint: &Element| joint.name == "freejoint" || joint.text("type") == Some("free");
         let aligns = body.children.iter().any(is_free) && own.unwrap_or(self.compiler.aligns_free);
         let Some(of) = mass.filter(|_| aligns) else { return FreeFrame::Body };
         let is_full = body.all("inertial").any(|inertial| inertial.text("fullinertia").is_some());

@@ -25,12 +25,10 @@ pub(crate) struct Entry {
 /// # Errors
 /// [`SceneError`] with the line, for a line that is not two numbers.
 pub(crate) fn entries_of_csv(text: &str, file: &Path, owner: &Element) -> Result<Vec<Entry>, SceneError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end();
     let mut entries = Vec::new();
-    let rows = text.lines().enumerate().filter(|(_, row)| !row.trim_start().starts_with('#'));
-    for (place, (index, row)) in rows.enumerate() {
+    for (place, (line, row)) in rows_of_csv(text).enumerate() {
         let refuse = |reason: String| {
-            let (file, line, element) = (file.to_path_buf(), Some(index + 1), Some(owner.clone()));
+            let (file, line, element) = (file.to_path_buf(), Some(line), Some(owner.clone()));
             Err(SceneError { file, line, element, problem: Box::new(Problem::Table(reason)) })
         };
         let columns: Vec<&str> = row.split(',').map(str::trim).collect();
@@ -42,7 +40,7 @@ pub(crate) fn entries_of_csv(text: &str, file: &Path, owner: &Element) -> Result
             };
         };
         match (number(time), number(value)) {
-            (Some(time), Some(value)) => entries.push(Entry { line: index + 1, time, value }),
+            (Some(time), Some(value)) => entries.push(Entry { line, time, value }),
             (None, None) if place == 0 && !time.is_empty() && !value.is_empty() => {}
             (given, _) => {
                 let (what, text) = if given.is_none() { ("time", time) } else { ("value", value) };
@@ -54,6 +52,13 @@ pub(crate) fn entries_of_csv(text: &str, file: &Path, owner: &Element) -> Result
         }
     }
     Ok(entries)
+}
+
+/// The lines of a table, each with its number from 1 on, without comments and empty lines at the end.
+pub fn rows_of_csv(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    // Spreadsheets put a byte order mark in front.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end();
+    (1..).zip(text.lines()).filter(|(_, row)| !row.trim_start().starts_with('#'))
 }
 
 fn number(text: &str) -> Option<f64> {
