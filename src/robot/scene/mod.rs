@@ -69,6 +69,7 @@ pub use scene_reading::scene_numbers::{Quantity, Unit};
 pub use scene_reading::scene_schema::SimulationTable;
 #[cfg(feature = "scene")]
 pub use scene_reading::target_csv::rows_of_csv;
+#[cfg(feature = "scene")]
 pub use scene_reading::toml_text::TomlText;
 #[cfg(feature = "scene")]
 pub use taken::{Taken, TakenNumber};
