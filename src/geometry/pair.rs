@@ -265,10 +265,10 @@ impl PairGeometry {
 
     /// The places where the gap is below a bound (m) along each face normal that separates two convex shapes that touch, if there are several, as at
     /// an edge on an edge.
-    pub fn touches_otherwise(&self, a: &Pose, b: &Pose, near: f64) -> Vec<Vec<TouchPlace>> {
+    pub fn touches_otherwise(&self, a: &Pose, b: &Pose, alike: f64, near: f64) -> Vec<Vec<TouchPlace>> {
         let First::Convex(convex) = &self.first else { return Vec::new() };
         let (first, in_first) = self.relative(a, b);
-        let found = manifolds(&both(convex, &self.second, &in_first), near);
+        let found = manifolds(&both(convex, &self.second, &in_first), alike, near);
         found.iter().map(|found| self.placed(found, &in_first, first)).collect()
     }
 

@@ -8,30 +8,58 @@
 //! force between them has no part along the wall.
 
 use crate::scene_files::{link, report, written};
+use catena::prelude::*;
 use nalgebra::{Rotation3, Vector3};
 
-/// A box of 0.1 m whose lower front edge lies on the edge of a slab, over which it slides at 1 m/s, all turned about the vertical. The slab has another
-/// one beside it, flush, and both lie on a floor.
-fn over_an_edge(turn: &Rotation3<f64>) -> String {
-    let (roll, pitch, yaw) = turn.euler_angles();
-    let place = |x: f64, y: f64, z: f64| {
-        let at = turn * Vector3::new(x, y, z) + Vector3::new(0.01, -0.02, 0.0);
-        format!("pose = {{ position = [{:?}, {:?}, {:?}], rpy = [{roll:?}, {pitch:?}, {yaw:?}] }}", at.x, at.y, at.z)
-    };
+/// Where the origin of turned scenes is (m).
+const BESIDE: Vector3<f64> = Vector3::new(0.01, -0.02, 0.0);
+
+/// Two boxes, turned about the vertical: one of 0.1 m, whose lower front edge lies on the edge of the other, over which it slides at 1 m/s.
+fn box_at_an_edge(turn: &Rotation3<f64>) -> String {
     let along = turn * Vector3::x();
     format!(
-        "[contact]\nfriction = 0.4\n[[obstacle]]\nname = \"floor\"\nshape = {{ type = \"half_space\" }}\n\
+        "[contact]\nfriction = 0.4\n\
          [[body]]\nname = \"box\"\nshape = {{ type = \"box\", size = [0.1, 0.1, 0.1] }}\nmass = 1\n{}\n\
-         velocity = {{ linear = [{:?}, {:?}, {:?}] }}\n\
-         [[body]]\nname = \"slab\"\nshape = {{ type = \"box\", size = [0.4, 0.3, 0.1] }}\nmass = 4\n{}\n\
-         [[body]]\nname = \"beside\"\nshape = {{ type = \"box\", size = [0.4, 0.3, 0.1] }}\nmass = 4\n{}\n",
-        place(-0.05, 0.0, 0.15),
+         velocity = {{ linear = [{:?}, {:?}, {:?}] }}\n{}",
+        pose(turn, [-0.05, 0.0, 0.15]),
         along.x,
         along.y,
         along.z,
-        place(0.2, 0.0, 0.05),
-        place(-0.2, 0.0, 0.05)
+        slab("slab", turn, 0.2)
     )
+}
+
+/// A slab that lies on the floor, with its centre at this x before the turn.
+fn slab(name: &str, turn: &Rotation3<f64>, x: f64) -> String {
+    let size = "size = [0.4, 0.3, 0.1]";
+    let pose = pose(turn, [x, 0.0, 0.05]);
+    format!("[[body]]\nname = \"{name}\"\nshape = {{ type = \"box\", {size} }}\nmass = 4\n{pose}\n")
+}
+
+/// A pose that is turned about the vertical, beside the origin.
+fn pose(turn: &Rotation3<f64>, at: [f64; 3]) -> String {
+    let (roll, pitch, yaw) = turn.euler_angles();
+    let at = turn * Vector3::from(at) + BESIDE;
+    format!("pose = {{ position = [{:?}, {:?}, {:?}], rpy = [{roll:?}, {pitch:?}, {yaw:?}] }}", at.x, at.y, at.z)
+}
+
+#[test]
+fn a_box_that_starts_at_an_edge_without_gravity_passes_in_steps_over_events() {
+    let (duration, step) = (0.05, 2e-3);
+    for number in 0..12 {
+        let turn = Rotation3::from_euler_angles(0.0, 0.0, 0.55 * f64::from(number));
+        let file =
+            written(&format!("edges_free_{number}"), &(box_at_an_edge(&turn) + "[scene]\ngravity = [0, 0, 0]\n"));
+        let model = Model::load(&file).expect("a scene");
+        let mut simulation = Simulation::new(&model).fixed(1, step).duration(duration);
+        simulation.run().expect("a run");
+        let ended = simulation.finish().expect("a report");
+        let moved = Vector3::from(link(&ended, "box").position) - turn * Vector3::new(-0.05, 0.0, 0.15) - BESIDE;
+        let off = (moved - turn * Vector3::x() * duration).norm();
+        // Roundings of 25 steps. Where it meets the edge it loses 0.19 J and is 2 cm off.
+        assert!(off <= 1e-12, "turned {number}: {off:e} m off its way");
+        assert!(ended.energy.impacts.abs() <= 1e-12, "turned {number}: {:e} J", ended.energy.impacts);
+    }
 }
 
 #[test]
@@ -41,10 +69,13 @@ fn a_box_that_starts_on_the_seam_of_two_slabs_slides_on() {
     let way = duration - 0.5 * friction * 9.81 * duration * duration;
     for number in 0..6 {
         let turn = Rotation3::from_euler_angles(0.0, 0.0, 1.1 * f64::from(number));
-        let file = written(&format!("edges_seam_{number}"), &over_an_edge(&turn));
+        // Another slab, flush with the first.
+        let floor = "[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n";
+        let scene = box_at_an_edge(&turn) + &slab("beside", &turn, -0.2) + floor;
+        let file = written(&format!("edges_seam_{number}"), &scene);
         let ended = report(&file, &[], &[], Some(duration), 1e-6);
-        let moved = Vector3::from(link(&ended, "box").position) - turn * Vector3::new(-0.05, 0.0, 0.15);
-        let off = (moved - Vector3::new(0.01, -0.02, 0.0) - turn * Vector3::x() * way).norm();
+        let moved = Vector3::from(link(&ended, "box").position) - turn * Vector3::new(-0.05, 0.0, 0.15) - BESIDE;
+        let off = (moved - turn * Vector3::x() * way).norm();
         // Ten tolerances.
         assert!(off <= 1e-5, "turned {number}: {off:e} m off its way");
         assert!(ended.energy.impacts.abs() <= 1e-9, "turned {number}: {:e} J", ended.energy.impacts);

@@ -17,11 +17,11 @@ use crate::shapes::convex::Core;
 const AGREE: f64 = 1.0 - 1e-9;
 
 /// The places along each normal of N, with a gap below a bound (m), if N has more than one.
-pub fn manifolds(both: &Both, near: f64) -> Vec<Vec<Candidate>> {
+pub fn manifolds(both: &Both, alike: f64, near: f64) -> Vec<Vec<Candidate>> {
     let (Core::Polytope(_), Core::Polytope(_), Some(closest)) = (&both.a.core, &both.b.core, nearest(both)) else {
         return Vec::new();
     };
-    let least = closest.distance() - near;
+    let least = closest.distance() - alike;
     let of_b = normals(&both.b.core).map(|normal| -both.turned(&normal));
     let mut along = vec![closest.normal];
     for normal in normals(&both.a.core).chain(of_b).filter(|normal| both.separation(normal) >= least) {

@@ -196,7 +196,12 @@ impl Contacts {
             if clearances.is_beyond(pair, of, within) {
                 continue;
             }
-            for contact in clearances.look(pair, touching, bodies, within) {
+            let mut near = clearances.look(pair, touching, bodies, within);
+            // Of several normals of a pair that touches already, the distance has one by roundings.
+            if near.iter().any(|contact| touch_motion(&contact.joint, bodies).gap <= CLOSED) {
+                near = touching.slowest(pair, bodies, [CLOSED, within], near, fall / step);
+            }
+            for contact in near {
                 self.list.push(Candidate::touch(contact, of.friction, of.restitution, bodies));
             }
         }

@@ -135,7 +135,7 @@ impl Contacts {
                 let is_met = |(contact, gap): &(Contact, f64)| *gap <= within || *gap <= -rate(contact) * SHORTEST;
                 let near = touching.near(pair, &bodies, at_most).into_iter().filter(is_met);
                 let near = near.map(|(contact, _)| contact).collect();
-                let mut near = touching.slowest(pair, &bodies, within, near, contacts.rest);
+                let mut near = touching.slowest(pair, &bodies, [within; 2], near, contacts.rest);
                 if found.triggers.contains(&Watched::Approach(pair)) {
                     let pivots: Vec<&Contact> = closed().map(|(_, closed)| &closed.contact).collect();
                     land_opposite(touching, &pivots, &mut near, &bodies);

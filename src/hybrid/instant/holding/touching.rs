@@ -190,12 +190,12 @@ impl Touching {
 
     /// The contacts of a pair that meets, along the normal along which it approaches slowest, if several separate it: at an edge on an edge, where the
     /// distance has one of them by roundings. Bodies that slide over a joint of two plates meet no edge. `found` are those along the normal of the
-    /// distance, with a gap of at most `within` (m); slower than `rest` is no approach [m/s].
+    /// distance, with a gap of at most `within` (m); along others the distance is the same to `alike` (m). Slower than `rest` is no approach [m/s].
     pub fn slowest(
         &self,
         pair: usize,
         bodies: &[BodyState],
-        within: f64,
+        [alike, within]: [f64; 2],
         found: Vec<Contact>,
         rest: f64,
     ) -> Vec<Contact> {
@@ -205,7 +205,7 @@ impl Touching {
         if rope.is_some() || found.is_empty() || rate(&found) >= -rest {
             return found;
         }
-        let others = geometry.touches_otherwise(&pose(*a, bodies), &pose(*b, bodies), within).into_iter();
+        let others = geometry.touches_otherwise(&pose(*a, bodies), &pose(*b, bodies), alike, within).into_iter();
         let others = others.map(|places| places.into_iter().map(|place| self.contact(pair, place)).collect());
         let mut best = (rate(&found), found);
         for other in others.collect::<Vec<Vec<Contact>>>() {
