@@ -49,9 +49,9 @@ pub struct Ranks {
     pub still: Vec<bool>,
     /// For every degree of freedom whether its block has as many independent equations as freedoms: that holds beside the configuration, too.
     pub locked: Vec<bool>,
-    /// Orthonormal directions in which the mechanism can move, in the coordinates of the freedoms divided by `lengths`; `None` if a block was too
-    /// large for them.
-    pub free: Option<Vec<Vec<f64>>>,
+    /// Orthonormal directions in which the mechanism can move, in the coordinates of the freedoms divided by `lengths`, of each the freedoms of its
+    /// block; `None` if a block was too large for them.
+    pub free: Option<Vec<Vec<(usize, f64)>>>,
     /// The length (m) of every slide, and one for every turn.
     pub lengths: Vec<f64>,
     /// The smallest pivot that counts, as a part of the first of its block; one without pivots.
@@ -127,9 +127,7 @@ impl Ranks {
             if let Some(free) = &mut self.free {
                 let dimensions = freedoms.len() - found.order.len();
                 for direction in row_pivoting::pivoted(parts, PROJECTED).basis.into_iter().take(dimensions) {
-                    let mut whole = vec![0.0; self.lengths.len()];
-                    freedoms.iter().zip(direction).for_each(|(&freedom, value)| whole[freedom] = value);
-                    free.push(whole);
+                    free.push(freedoms.iter().copied().zip(direction).collect());
                 }
             }
             if let (Some(first), Some(last)) = (found.pivots.first(), found.pivots.last()) {

@@ -39,7 +39,10 @@ pub fn lent_inertia(mechanism: &Mechanism, state: &State, ranks: &Ranks) -> Vec<
     }
     let factor = factor(mechanism, state, &ranks.lengths);
     let units = DMatrix::identity(count, count);
-    let directions = DMatrix::from_fn(count, free.len(), |row, column| free[column][row]);
+    let mut directions = DMatrix::zeros(count, free.len());
+    for (column, direction) in free.iter().enumerate() {
+        direction.iter().for_each(|&(freedom, value)| directions[(freedom, column)] = value);
+    }
     let parts = part_of_freedoms(mechanism, &firsts);
     let mut largest = vec![0.0_f64; mechanism.bodies.len()];
     for (column, &part) in factor.column_iter().zip(&parts) {
