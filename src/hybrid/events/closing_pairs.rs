@@ -17,6 +17,7 @@ use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Inside;
 use crate::events::modes::tolerances::AT_EVENT;
+use crate::instant::holding::pairs::Pair;
 
 /// Overlaps of this part of the size of a pair are not missed between samples.
 const RESOLUTION: f64 = 2e-3;
@@ -65,7 +66,7 @@ impl Eventful {
                 self.sample_speeds([since, end], &mut speeds);
             }
             let of = &self.model.touching.pairs[pair];
-            let resolution = (RESOLUTION * of.size()).min(of.breadth).max(FINEST * of.size());
+            let resolution = resolution(of);
             let (zero, anew) = (of.within(AT_EVENT), of.closed_anew());
             let [speed, changing] = self.fastest_of(pair, &speeds, end - since);
             let measure = Measure {
@@ -210,4 +211,9 @@ impl Eventful {
             false => [speeds.closing_of(of), speeds.changing_of(of, length)],
         }
     }
+}
+
+/// A stretch in which a pair closes by less than this is searched (m).
+pub(super) fn resolution(of: &Pair) -> f64 {
+    (RESOLUTION * of.size()).min(of.breadth).max(FINEST * of.size())
 }

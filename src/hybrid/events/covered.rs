@@ -4,6 +4,7 @@
 //!     Σ stretches of a pair = [t₀, t₀ + h],     overlap = max(0, −least gap)   of open pairs over the stretches, of closed contacts at x = 1/3 and 1
 //! ```
 
+use crate::events::closing_pairs::resolution;
 use crate::events::finding::approach::Approaching;
 use crate::events::finding::cover::{Cover, are_checked};
 use crate::events::finding::detection::{FIRST_SAMPLES, SAMPLES};
@@ -232,11 +233,12 @@ impl Eventful {
                 self.model.touching.pairs[pair].closed_anew(),
                 self.fastest_of(pair, &self.trial.speeds, end - since)[0],
             );
-            // A pair that waits is far apart: its bound holds at the ends and halfway.
-            let asked = if looked_at.is_some() { ASKED } else { 2 };
+            // A pair that waits is far apart: its bound holds at the ends and halfway. One that is open as interpolated is open.
+            let open = resolution(&self.model.touching.pairs[pair]);
+            let (asked, open) = if looked_at.is_some() { (ASKED, open) } else { (2, f64::INFINITY) };
             for part in 0..=asked {
                 let time = since + (cover.until.min(end) - since) * part as f64 / asked as f64;
-                let mut inside = GapInside::new(self, [since, end], (watched, pair), f64::INFINITY);
+                let mut inside = GapInside::new(self, [since, end], (watched, pair), open);
                 let (gap, speed) = (inside.gap(time), inside.speed(time));
                 assert!(gap >= -allowed, "pair {pair} overlaps by {:e} m at {time} s, in a step from {since} s", -gap);
                 let lasts = looked_at.is_some() || gap >= cover.least - allowed;
