@@ -307,7 +307,8 @@ impl Eventful {
         // The gap of a joint at the end of the last attempt (m or rad).
         let is_limit = matches!(self.trial.watched[bracket.watched], Watched::Gap(..));
         let mut gap = 0.0;
-        // For forces: whether an end before the root is known.
+        let slides = matches!(self.trial.watched[bracket.watched], Watched::Slide(_));
+        // Whether an end before the root is known.
         let (forces, mut preceded) = (self.trial.watched[bracket.watched].is_force(), false);
         for attempt in 0..ATTEMPTS {
             // So near to the start it is there.
@@ -387,8 +388,10 @@ impl Eventful {
             }
             before = Some((length, value));
             let wanted = length + change;
-            // The dense output that has bracketed the root may be off by its error.
-            let (from, to) = (low.min(length) - 1e-3 * full, high.max(length) + 1e-3 * full);
+            // The dense output that has bracketed the root may be off by its error; the rates of a joint at the ends of two steps are not. The slope of
+            // two roundings leads beyond these.
+            let beside = if slides && preceded && passed { 0.0 } else { 1e-3 * full };
+            let (from, to) = (low.min(length) - beside, high.max(length) + beside);
             // Beyond an instant at which forces change they are others.
             let to = if bounded { to.min(full) } else { to };
             length = if wanted > from.max(0.0) && wanted < to {

@@ -13,7 +13,7 @@ use crate::events::effects::immobile::at_dead_points;
 use crate::events::effects::impact::Meeting;
 use crate::events::effects::memory::Found;
 use crate::events::effects::planar_rims::{land_opposite, point_that_begins, touching_point};
-use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
+use crate::events::effects::resting::{bring_rows_to_rest, energy, joints_at_rest, keep_from_gaining};
 use crate::events::finding::watched::Watched;
 use crate::events::modes::mode::{Closed, Mode};
 use crate::events::modes::tolerances::{
@@ -244,15 +244,7 @@ impl Contacts {
             return 0.0;
         }
         let bodies = body_states(scene.whole, state);
-        let still: Vec<usize> = scene
-            .elements
-            .joints
-            .iter()
-            .filter(|joint| {
-                joint.rate(state) == 0.0 && (joint.friction > 0.0 || joint.side(joint.position(state)).is_some())
-            })
-            .map(|joint| joint.coordinate.freedom)
-            .collect();
+        let still = joints_at_rest(scene.elements, state);
         // An impulse along a joint at a dead point moves it by roundings, and the rest of its loop by anything.
         let dead = at_dead_points(scene.whole, scene.response, state, &still);
         let fixed: Vec<usize> = still.iter().copied().filter(|freedom| !dead.contains(freedom)).collect();

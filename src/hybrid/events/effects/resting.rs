@@ -19,6 +19,7 @@ use crate::instant::cone::bounded::minimise;
 use crate::instant::cone::least_norm::least_norm;
 use crate::instant::dynamics::mass_matrix::mass_matrix;
 use crate::instant::holding::blocks::{Row, Rows};
+use crate::instant::holding::elements::{ElementJoint, Elements};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::forces::total::powers;
 use crate::mechanism::motion::energy::{Energy, energy_with_forces};
@@ -50,6 +51,13 @@ pub(crate) fn keep_from_gaining(scene: &Scene, state: &mut State, before: f64) -
         state.velocity.iter_mut().for_each(|rate| *rate *= factor);
     }
     before - energy(scene.whole, state).total()
+}
+
+/// The freedoms of the joints that friction or limits may hold and that do not move.
+pub(crate) fn joints_at_rest(elements: &Elements, state: &State) -> Vec<usize> {
+    let is_held = |joint: &ElementJoint| joint.friction > 0.0 || joint.side(joint.position(state)).is_some();
+    let at_rest = elements.joints.iter().filter(|joint| joint.rate(state) == 0.0 && is_held(joint));
+    at_rest.map(|joint| joint.coordinate.freedom).collect()
 }
 
 /// Velocities without rates along some rows, with the least change in the metric of the mass matrix; returns the energy that this takes (J).

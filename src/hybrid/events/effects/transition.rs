@@ -22,7 +22,7 @@ use crate::events::effects::low_rebounds::{bring_low_to_rest, unseen_flight};
 use crate::events::effects::memory::{Done, Found, Memory};
 use crate::events::effects::noted::{Met, note_bound, note_impacts, note_joints, note_pairs, note_seized};
 use crate::events::effects::omitted_flights::{change_of_speed, speed_in_doubt};
-use crate::events::effects::resting::{bring_rows_to_rest, energy, keep_from_gaining};
+use crate::events::effects::resting::{bring_rows_to_rest, energy, joints_at_rest, keep_from_gaining};
 use crate::events::effects::seams::held_seams;
 use crate::events::effects::seizing::Seized;
 use crate::events::effects::stopped::stop_roundings;
@@ -195,7 +195,8 @@ fn is_beyond(elements: &Elements, state: &State, trigger: &Watched) -> bool {
 
 /// Stops the joints whose slides end here by an impulse in each, if they are faster than rest; returns the energy that this takes (J). A slide whose
 /// forces jump ends where its step begins, at whatever rate: to set that rate to zero alone would change momenta, and may give energy. At a dead point of
-/// a loop the joint turns round by itself: its rate is a rounding, and an impulse along it would stop the whole loop.
+/// a loop the joint turns round by itself: its rate is a rounding, and an impulse along it would stop the whole loop. Joints at rest stay at rest: the
+/// roundings that such an impulse would leave in their rates would be slips, of all of them.
 fn stop_joints(scene: &mut Scene, state: &mut State, triggers: &[Watched], rests: &[f64]) -> f64 {
     let fast = |trigger: &Watched| match *trigger {
         Watched::Slide(index) => {
@@ -204,11 +205,18 @@ fn stop_joints(scene: &mut Scene, state: &mut State, triggers: &[Watched], rests
         }
         _ => None,
     };
-    let mut freedoms: Vec<usize> = triggers.iter().filter_map(fast).collect();
+    let stops: Vec<usize> = triggers.iter().filter_map(fast).collect();
+    if stops.is_empty() {
+        return 0.0;
+    }
+    let still = joints_at_rest(scene.elements, state);
+    let mut freedoms = [stops, still.clone()].concat();
     let dead = at_dead_points(scene.whole, scene.response, state, &freedoms);
     freedoms.retain(|freedom| !dead.contains(freedom));
     let rows = freedoms.into_iter().map(|freedom| row_of_freedom(state.velocity.len(), freedom, 1.0)).collect();
-    bring_rows_to_rest(scene, state, rows)
+    let taken = bring_rows_to_rest(scene, state, rows);
+    still.iter().for_each(|&freedom| state.velocity[freedom] = 0.0);
+    taken
 }
 
 /// Sets tiny rates to zero, and the rates of joints whose bounds leave no room if `locked`.
@@ -308,6 +316,66 @@ fn jump_to_bounds(elements: &Elements, mode: &mut Mode, state: &State, done: &mu
             mode.motors[index] = if is == 0 { MotorMode::Unbounded } else { MotorMode::Saturated(is) };
             done.motors[index] = true;
             note_bound(motor, [was, is], time, &mut done.events);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instant::dynamics::response::Response;
+    use crate::instant::holding::touching::Touching;
+    use crate::mechanism::description::closure::Coordinate;
+    use crate::mechanism::description::joint::{Joint, JointKind, Pose};
+    use crate::mechanism::description::mechanism::{Body, Mechanism};
+    use crate::mechanism::description::nonsmooth::DryFriction;
+    use crate::mechanism::motion::contact_solvers::ContactSolvers;
+    use nalgebra::Vector3;
+
+    /// Three links on hinges in a row; the first two hinges have friction.
+    fn chain() -> Mechanism {
+        let link = |index: usize| {
+            let [before, own] = [if index == 0 { 0.0 } else { 0.2 }, -0.2].map(|x| Pose::translation(x, 0.0, 0.0));
+            let joint = Joint::new("hinge", JointKind::Revolute, before, own);
+            let parent = index.checked_sub(1);
+            Body { name: "link".into(), parent, mass: 1.0, inertia: Vector3::repeat(1e-2), joint }
+        };
+        let mut chain = Mechanism::new("chain", Vector3::zeros(), (0..3).map(link).collect()).expect("three links");
+        for body in 0..2 {
+            let joint = &chain.bodies[body].joint;
+            let coordinate = Coordinate { body, position: joint.position_index, freedom: joint.velocity_index };
+            chain.nonsmooth.friction.push(DryFriction { coordinate, effort: 1.0 });
+        }
+        chain
+    }
+
+    #[test]
+    fn joints_at_rest_stay_at_rest_where_others_stop_from_any_rate() {
+        let chain = chain();
+        let (elements, touching) = (Elements::new(&chain), Touching::new(&chain));
+        let (mut response, mut solvers) = (Response::new(&chain), ContactSolvers::default());
+        let mut scene = Scene {
+            whole: &chain,
+            elements: &elements,
+            touching: &touching,
+            near: &[],
+            response: &mut response,
+            solvers: &mut solvers,
+        };
+        for rate in [1.4e-12, 1e-3, 3.0] {
+            let mut state = State::zero(&chain);
+            state.position.copy_from_slice(&[0.2, 0.9, -0.4]);
+            state.velocity.copy_from_slice(&[0.0, rate, 0.5]);
+            let had = energy(&chain, &state).kinetic;
+            let taken = stop_joints(&mut scene, &mut state, &[Watched::Slide(1)], &[1e-14, 1e-13]);
+            let [held, stopped, moves] = state.velocity[..] else { panic!("three freedoms") };
+            // Without the row of the first joint it is left with a third of the rate.
+            assert_eq!(held, 0.0);
+            assert!(stopped.abs() <= 1e-15 * rate, "{stopped:e} of {rate:e}");
+            // The impulse does turn the last link.
+            assert!((moves - 0.5).abs() > 0.1 * rate, "{moves}");
+            let left = had - energy(&chain, &state).kinetic - taken;
+            assert!(left.abs() <= 1e-14 * had, "{left:e} of {had}");
         }
     }
 }
