@@ -294,7 +294,7 @@ impl Mesh {
                 found.len() > before
             };
             // A corner that is deeper behind a triangle than it is away from its side leaves it soonest across that side, where the neighbour is in its way.
-            if !add(closest) && closest.distance() < 0.0 {
+            if !add(closest) && closest.distance() < -FLAT * both.size() {
                 let through = through_face(&both, &closest);
                 if !add(through) {
                     found.push(self.named(number as usize, through));
