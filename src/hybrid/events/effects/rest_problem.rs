@@ -113,7 +113,7 @@ pub(super) struct RestProblem {
     free: Vec<f64>,
     /// The largest of them.
     largest: f64,
-    /// What weights that motors hold would do to each row.
+    /// The acceleration of each row by weights that motors hold.
     cancelled: Vec<f64>,
     rows: Rows,
     /// b, one entry a row.

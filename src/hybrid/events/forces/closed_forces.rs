@@ -129,7 +129,7 @@ pub(crate) struct Closing {
     rows: Rows,
     /// The accelerations without the forces of held blocks, one entry a degree of freedom.
     free: Vec<f64>,
-    /// What weights that motors hold would do to each row.
+    /// The acceleration of each row by weights that motors hold.
     cancelled: Vec<f64>,
     /// b: what the rows of the blocks are accelerated by then.
     offset: Vec<f64>,

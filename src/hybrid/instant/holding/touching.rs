@@ -284,7 +284,7 @@ impl Touching {
                         !known && self.margin(near, bodies) >= -border
                     };
                     let least = opposite.fold(within, f64::min);
-                    // What is nearer than a part of that is found among fewer places.
+                    // Places nearby are fewer.
                     let of = |part: &f64| {
                         let near = self.near(pair, bodies, part * within);
                         near.iter().filter(is_other).map(|(_, gap)| *gap).min_by(f64::total_cmp)

@@ -1,7 +1,7 @@
 //! Weights that motors hold: they cancel within one sum, and leave their roundings.
 //!
 //! ```text
-//!     Q_g = Jᵀ m g   [N m or N]       what a row w of efforts feels of it, at most:   Σ |Y wᵀ| |Q_g|
+//!     Q_g = Jᵀ m g   [N m or N]       acceleration of a row w of efforts by it, at most:   Σ |Y wᵀ| |Q_g|
 //! ```
 //!
 //! A motor with `gravity_compensation` pulls by a part of the weight beyond its joint ([`crate::mechanism::forces::gravity_compensation`]). Limits and contacts
@@ -14,7 +14,7 @@ use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
 
-/// What each row would feel of all weights at a state if no motor held a part of them; zero where none does.
+/// The most that all weights accelerate each row by at a state, if motors hold parts of them; zero otherwise.
 pub(crate) fn without_motors(whole: &Mechanism, state: &State, rows: &Rows) -> Vec<f64> {
     let answers = rows.columns();
     if whole.forces.gravity_compensations.is_empty() {
