@@ -1,7 +1,7 @@
 //! Motors with `gravity_compensation`: the effort besides their law holds the weight beyond the joint, in every pose, at every stage of a step.
 
 use crate::common::{run_until, scratch};
-use crate::scene_files::{joint, report};
+use crate::scene_files::{joint, report, scene_of};
 use catena::mechanism::description::forces::GravityCompensation;
 use catena::mechanism::description::joint::{Joint, JointKind, Pose};
 use catena::mechanism::description::mechanism::{Body, Mechanism};
@@ -11,6 +11,7 @@ use catena::prelude::{Error, Model, Simulation};
 use catena::reduced::Dop853;
 use catena::stepping::integrator::Lobatto;
 use nalgebra::{Rotation3, Translation3, Vector3};
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// An arm in space: two hinges with other axes, and a hand that slides; with these tables.
@@ -203,4 +204,41 @@ fn the_key_path_switches_it_on() {
         &Model::load(&with).expect("a model").description().mechanism.forces.gravity_compensations
     );
     assert_eq!(compensations.len(), 3);
+}
+
+/// An arm of three hinges, askew, which starts on their lower limits; motors hold it there with its weight.
+fn arm_on_limits(folder: &str, seed: u32, more: &str) -> PathBuf {
+    let mut angle = f64::from(seed);
+    let mut number = |size: f64| {
+        angle += 1.7;
+        format!("{:.3}", size * angle.sin())
+    };
+    let mut robot = "<link name='l0'/>".to_string();
+    for link in 1..=3 {
+        let [at, origin, axis] = [0.2, 0.3, 1.0].map(|size| [(); 3].map(|()| number(size)).join(" "));
+        let parent = link - 1;
+        write!(
+            robot,
+            "<link name='l{link}'><inertial><origin xyz='{at}'/><mass value='0.9'/><inertia ixx='0.0025' iyy='0.0022' izz='0.0028' ixy='0' \
+             ixz='0' iyz='0'/></inertial></link><joint name='j{link}' type='revolute'><parent link='l{parent}'/><child link='l{link}'/>\
+             <origin xyz='{origin}'/><axis xyz='{axis}'/><limit lower='0' upper='1.7' effort='500' velocity='10'/></joint>"
+        )
+        .expect("text");
+    }
+    let motor = "[[motor]]\njoint = \"*\"\nkind = \"position\"\ntarget = \"start\"\nkp = 100\nkd = 10\ngravity_compensation = 1\n";
+    scene_of(folder, &robot, &format!("[[robot]]\nurdf = \"robot.urdf\"\n{motor}{more}"))
+}
+
+#[test]
+fn limits_that_carry_roundings_of_held_weights_neither_let_go_nor_come_to_rest_again() {
+    for seed in 0..8 {
+        let ended = report(&arm_on_limits(&format!("weights_limits_{seed}"), seed, ""), &[], &[], Some(10.0), 1e-6);
+        // Some had tens of thousands.
+        assert_eq!((ended.events.list.len(), ended.steps), (0, 1), "arm {seed}");
+        // A pull of 1 N m lets go, and ends where the spring of 100 N m/rad holds it, after ten times its time constant.
+        let pulled = "[[load]]\njoint = \"j3\"\neffort = 1\n";
+        let ended = report(&arm_on_limits(&format!("weights_pulled_{seed}"), seed, pulled), &[], &[], Some(1.0), 1e-6);
+        let (angle, _) = joint(&ended, "j3");
+        assert!((angle - 0.01).abs() <= 1e-5, "arm {seed}: {angle}");
+    }
 }

@@ -18,11 +18,12 @@
 
 use crate::distances::doubles::take_doubles;
 use crate::distances::inner::without_inner;
-use crate::distances::manifold::manifold;
+use crate::distances::manifold::manifold_along;
 use crate::distances::mesh_and_point::{ALONG, Ball, Facet};
-use crate::distances::nearest::nearest;
+use crate::distances::mesh_parts::{about, bounds, merged};
+use crate::distances::nearest::{nearest, supports};
 use crate::features::both::{Both, Candidate};
-use crate::features::feature::{FeatureId, Part, inside};
+use crate::features::feature::{FeatureId, Part, inside, normals};
 use crate::shapes::convex::{Convex, Core};
 use crate::shapes::error::GeometryError;
 use crate::shapes::extents::Lengths;
@@ -31,7 +32,6 @@ use catena_mechanism::description::contact::Surface;
 use catena_mechanism::description::joint::Pose;
 use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::bounding_volume::Aabb;
-use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -285,8 +285,21 @@ impl Mesh {
             }
             let triangle = &self.parts.triangles[number as usize];
             let both = Both { a: &triangle.facet.shape, b, rotation: *rotation, translation: *translation };
-            let named = manifold(&both, near).into_iter().map(|candidate| self.named(number as usize, candidate));
-            found.extend(named.filter(|candidate| self.may_touch(candidate)));
+            let Some(closest) = nearest(&both) else { continue };
+            let before = found.len();
+            let mut add = |closest: Candidate| {
+                let named = manifold_along(&both, closest, near).into_iter();
+                let named = named.map(|candidate| self.named(number as usize, candidate));
+                found.extend(named.filter(|candidate| self.may_touch(candidate)));
+                found.len() > before
+            };
+            // A corner that is deeper behind a triangle than it is away from its side leaves it soonest across that side, where the neighbour is in its way.
+            if !add(closest) && closest.distance() < -FLAT * both.size() {
+                let through = through_face(&both, &closest);
+                if !add(through) {
+                    found.push(self.named(number as usize, through));
+                }
+            }
         }
         self.distinct(found, b)
     }
@@ -305,9 +318,11 @@ impl Mesh {
         });
     }
 
-    /// Places without doubles and without the inner ones, faces first.
+    /// Places without doubles and without the inner ones, faces first, and of overlaps the deepest.
     fn distinct(&self, mut found: Vec<Candidate>, b: &Convex) -> Vec<Candidate> {
-        found.sort_by_key(|candidate| !matches!(candidate.features[0], FeatureId::Face(_)));
+        let deep = |one: &Candidate| one.distance().min(-FLAT * b.size);
+        let is_face = |one: &Candidate| matches!(one.features[0], FeatureId::Face(_));
+        found.sort_by(|one, other| is_face(other).cmp(&is_face(one)).then(deep(one).total_cmp(&deep(other))));
         take_doubles(&mut found, 1e-7 * b.size, [0.0, b.radius]);
         without_inner(&mut found, 1e-12 * b.size);
         found
@@ -407,21 +422,15 @@ impl Mesh {
     }
 }
 
-/// Vertices in the frame of the body, vertices at the same place once, and the new number of each.
-fn merged(vertices: &[Vector3<f64>], pose: &Pose) -> (Vec<Vector3<f64>>, Vec<usize>) {
-    let mut numbers: BTreeMap<[u64; 3], usize> = BTreeMap::new();
-    let mut kept = Vec::new();
-    let mut of = Vec::with_capacity(vertices.len());
-    for vertex in vertices {
-        // Adding zero makes both zeros the same.
-        let key = [0, 1, 2].map(|axis| (vertex[axis] + 0.0).to_bits());
-        let number = *numbers.entry(key).or_insert_with(|| {
-            kept.push(pose.rotation * vertex + pose.translation.vector);
-            kept.len() - 1
-        });
-        of.push(number);
-    }
-    (kept, of)
+/// A triangle that a core pierces: the farthest point of the core behind the side from which it is less deep, and a point of the triangle.
+fn through_face(both: &Both, closest: &Candidate) -> Candidate {
+    let behind = |(side, normal): (u32, Vector3<f64>)| {
+        let farthest = supports(both, (both.separation(&normal), normal));
+        let features = [FeatureId::Face(side), farthest.features[1]];
+        Candidate { features, points: [closest.points[0], farthest.points[1]], ..farthest }
+    };
+    let sides = normals(&both.a.core).enumerate().map(|(side, normal)| (side as u32, normal)).map(behind);
+    sides.max_by(|one, other| one.separation.total_cmp(&other.separation)).unwrap_or(*closest)
 }
 
 /// Whether an edge can be touched: it is convex, concave, a border, or has more than two triangles.
@@ -431,19 +440,4 @@ fn is_open(ends: &[usize; 2], beside: &[usize], triangles: &[Triangle], vertices
     let Some(&third) = third else { return false };
     let (triangle, size) = (&triangles[*one], triangles[*one].facet.shape.size.max(triangles[*other].facet.shape.size));
     triangle.facet.normal.dot(&(vertices[third] - vertices[ends[0]])).abs() > FLAT * size
-}
-
-/// The box of a triangle.
-fn bounds(shape: &Convex) -> Aabb {
-    let corner = |sign: f64| {
-        let along = |axis: Vector3<f64>| sign * shape.core.support(&(axis * sign));
-        Vector::new(along(Vector3::x()), along(Vector3::y()), along(Vector3::z()))
-    };
-    Aabb::new(corner(-1.0), corner(1.0))
-}
-
-/// A box about a point (m).
-fn about(centre: &Vector3<f64>, half: f64) -> Aabb {
-    let middle = Vector::new(centre.x, centre.y, centre.z);
-    Aabb::new(middle - Vector::splat(half), middle + Vector::splat(half))
 }

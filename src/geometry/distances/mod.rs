@@ -12,6 +12,7 @@ pub(crate) mod inner;
 pub(crate) mod manifold;
 pub(crate) mod mesh;
 mod mesh_and_point;
+mod mesh_parts;
 pub(crate) mod near_pairs;
 pub(crate) mod nearest;
 pub(crate) mod otherwise;

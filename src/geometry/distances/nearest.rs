@@ -287,7 +287,7 @@ fn arcs_cross(one: &Option<[Vector3<f64>; 2]>, other: &Option<[Vector3<f64>; 2]>
 }
 
 /// The support points of a normal and its separation (m): a lower bound of the distance, whose certificate says that it is not exact.
-fn supports(both: &Both, (separation, normal): (f64, Vector3<f64>)) -> Candidate {
+pub fn supports(both: &Both, (separation, normal): (f64, Vector3<f64>)) -> Candidate {
     let own = -both.rotation.tr_mul(&normal);
     let feature = |core: &Core, direction: &Vector3<f64>| match core {
         Core::Polytope(polytope) => FeatureId::Vertex(polytope.support_vertex(direction) as u32),

@@ -75,6 +75,29 @@ fn a_ball_touches_the_ridge_of_a_roof_but_not_the_bottom_of_a_valley() {
 }
 
 #[test]
+fn a_corner_below_a_bowl_overlaps_it_however_near_it_is_to_the_sides_of_triangles() {
+    // Four slopes that meet at the origin, in squares of 3 cm. A box dips one corner below them; the least overlap of a triangle alone is often across its
+    // side, where the next one is in the way.
+    let height = |x: f64, y: f64| 0.2 * x.abs() + 0.1 * y.abs();
+    let bowl = pair(floor(20, 0.03, height), cuboid(0.03, 0.04, 0.05));
+    let mut numbers = Numbers::new(5);
+    let corner = Vector3::new(0.03, 0.04, 0.05);
+    for _ in 0..400 {
+        // The diagonal of the box is nearly upright.
+        let lean = Rotation3::new(numbers.vector() * 0.2);
+        let turn = lean * Rotation3::rotation_between(&corner, &-Vector3::z()).expect("a turn");
+        let (x, y) = (0.05 * numbers.next(), 0.05 * numbers.next());
+        let deep = 10f64.powf(-3.5 + 1.5 * numbers.next());
+        let tip = Vector3::new(x, y, height(x, y) - deep);
+        let pose = Pose::from_parts(Translation3::from(tip - turn * corner), turn);
+        let least = bowl.touches(&Pose::identity(), &pose, 1e-3).iter().map(|place| place.gap).fold(1.0, f64::min);
+        // Along the normal of the slope that it is below. Roundings are those of lengths of 0.3 m.
+        let wanted = deep / 1.05_f64.sqrt();
+        assert!((least + wanted).abs() <= 1e-15, "{least:e} at {x} {y}, {wanted:e} m below");
+    }
+}
+
+#[test]
 fn a_mesh_is_touched_on_both_sides_whatever_the_order_of_the_corners_of_its_triangles() {
     let mut numbers = Numbers::new(11);
     let heights: Vec<f64> = (0..400).map(|_| 0.08 * numbers.next()).collect();

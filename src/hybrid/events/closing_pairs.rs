@@ -8,7 +8,7 @@
 //!
 //! φ is the gap of a pair (m). The first bracket of all pairs ends the step ([`crate::events::location`]).
 
-use crate::events::covered::{GapInside, SAME_END};
+use crate::events::covered::{GapInside, SAME_END, resolution};
 use crate::events::finding::approach::{Approaching, Closing, Measure, first_closing};
 use crate::events::finding::cover::Cover;
 use crate::events::finding::detection::{Bracket, ENDS, FIRST_SAMPLES, SAMPLES, close_in};
@@ -17,12 +17,7 @@ use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Inside;
 use crate::events::modes::tolerances::AT_EVENT;
-use crate::instant::holding::pairs::Pair;
 
-/// Overlaps of this part of the size of a pair are not missed between samples.
-const RESOLUTION: f64 = 2e-3;
-/// A stretch in which this part of its size can close is short enough to be searched, however thin the shapes are.
-const FINEST: f64 = 1e-6;
 /// The root is looked for as in a step that is this many times as long as its bracket, to 1e-9 of that length. An end that is off by more than
 /// roundings shows the slope.
 const ROUGHLY: f64 = 10.0;
@@ -211,9 +206,4 @@ impl Eventful {
             false => [speeds.closing_of(of), speeds.changing_of(of, length)],
         }
     }
-}
-
-/// A stretch in which a pair closes by less than this is searched (m).
-pub(super) fn resolution(of: &Pair) -> f64 {
-    (RESOLUTION * of.size()).min(of.breadth).max(FINEST * of.size())
 }

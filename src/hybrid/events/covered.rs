@@ -4,7 +4,6 @@
 //!     Σ stretches of a pair = [t₀, t₀ + h],     overlap = max(0, −least gap)   of open pairs over the stretches, of closed contacts at x = 1/3 and 1
 //! ```
 
-use crate::events::closing_pairs::resolution;
 use crate::events::finding::approach::Approaching;
 use crate::events::finding::cover::{Cover, are_checked};
 use crate::events::finding::detection::{FIRST_SAMPLES, SAMPLES};
@@ -14,6 +13,7 @@ use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Inside;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
+use crate::instant::holding::pairs::Pair;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::motion::touches::touch_motion;
 
@@ -25,8 +25,17 @@ const IN_A_MOMENT: f64 = 1e-6;
 const SELDOM: usize = 16;
 /// A gap that was larger than this part of what is open as interpolated is likely open.
 const LIKELY: f64 = 0.5;
+/// Overlaps of this part of the size of a pair are not missed between samples.
+const RESOLUTION: f64 = 2e-3;
+/// A stretch in which this part of its size can close is short enough to be searched, however thin the shapes are.
+const FINEST: f64 = 1e-6;
 /// Instants at which a step that is checked is asked.
 const ASKED: usize = 48;
+
+/// A stretch in which a pair closes by less than this is searched (m).
+pub(super) fn resolution(of: &Pair) -> f64 {
+    (RESOLUTION * of.size()).min(of.breadth).max(FINEST * of.size())
+}
 
 /// The gap of a pair inside the last step.
 pub(super) struct GapInside<'e> {

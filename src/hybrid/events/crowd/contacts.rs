@@ -197,7 +197,7 @@ impl Contacts {
                 continue;
             }
             let mut near = clearances.look(pair, touching, bodies, within);
-            // Of several normals of a pair that touches already, the distance has one by roundings.
+            // A pair that touches already may have several normals, and the distance has one of them by roundings.
             if near.iter().any(|contact| touch_motion(&contact.joint, bodies).gap <= CLOSED) {
                 near = touching.slowest(pair, bodies, [CLOSED, within], near, fall / step);
             }

@@ -16,6 +16,7 @@ use crate::instant::holding::blocks::{Block, Of, Rows, rows_of_contact, second_r
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::moments::{blocks_of_turning, solve_with_moments};
 use crate::instant::holding::pairs::Pair;
+use crate::instant::holding::weights::without_motors;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::motion::contact_solvers::ContactSolvers;
@@ -98,7 +99,8 @@ impl AtRest {
         let of_contact = |contact: usize| &candidates[contact].contact.joint;
         let offset = second_rates(scene.whole, scene.elements, &bodies, state, &free, &blocks, of_contact);
         let largest = free.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        RestProblem { bodies, blocks, free, largest, rows, offset }
+        let cancelled = without_motors(scene.whole, state, &rows);
+        RestProblem { bodies, blocks, free, largest, cancelled, rows, offset }
     }
 }
 
@@ -111,6 +113,8 @@ pub(super) struct RestProblem {
     free: Vec<f64>,
     /// The largest of them.
     largest: f64,
+    /// The acceleration of each row by weights that motors hold.
+    cancelled: Vec<f64>,
     rows: Rows,
     /// b, one entry a row.
     pub offset: Vec<f64>,
@@ -192,7 +196,8 @@ impl RestProblem {
         // Each acceleration is a difference of others.
         let terms: f64 =
             (0..self.offset.len()).map(|column| (self.rows.square[(row, column)] * found.forces[column]).abs()).sum();
-        found.rates[row].abs() > part * (terms + self.offset[row].abs()) + DIFFERENCE * (1.0 + self.largest)
+        found.rates[row].abs()
+            > part * (terms + self.offset[row].abs()) + DIFFERENCE * (1.0 + self.largest + self.cancelled[row])
     }
 
     /// The accelerations under these forces; one entry a degree of freedom.

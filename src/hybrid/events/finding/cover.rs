@@ -7,19 +7,21 @@
 //! φ is the gap of the pair at the ends of a stretch of length τ (s), V the most by which it can close (m/s). A stretch that is missing is a hole,
 //! through which a body could pass unseen. The step is not accepted then.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::cell::Cell;
 
-/// Whether steps are also asked at many instants if their certificates are true.
-static CHECKED: AtomicBool = AtomicBool::new(false);
+thread_local! {
+    /// Whether steps of this thread are also asked at many instants if their certificates are true.
+    static CHECKED: Cell<bool> = const { Cell::new(false) };
+}
 
-/// Asks every step from now on at many instants whether its certificates are true, and panics if one is not: for tests.
+/// Asks every step of this thread from now on at many instants whether its certificates are true, and panics if one is not: for tests.
 pub fn check_certificates() {
-    CHECKED.store(true, Ordering::Relaxed);
+    CHECKED.set(true);
 }
 
 /// Whether it is.
 pub(crate) fn are_checked() -> bool {
-    CHECKED.load(Ordering::Relaxed)
+    CHECKED.get()
 }
 
 /// The covered part of a step, from its start on.

@@ -25,6 +25,7 @@ use crate::instant::holding::blocks::{Block, Of, Rows, fall, least_answer, rows_
 use crate::instant::holding::moments::{Turning, blocks_of_moments, give_loads, have_moments};
 use crate::instant::holding::pairs::Pair;
 use crate::instant::holding::touching::Contact;
+use crate::instant::holding::weights::without_motors;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
@@ -128,6 +129,8 @@ pub(crate) struct Closing {
     rows: Rows,
     /// The accelerations without the forces of held blocks, one entry a degree of freedom.
     free: Vec<f64>,
+    /// The acceleration of each row by weights that motors hold.
+    cancelled: Vec<f64>,
     /// b: what the rows of the blocks are accelerated by then.
     offset: Vec<f64>,
 }
@@ -139,7 +142,9 @@ impl Closing {
         let bodies = body_states(whole, state);
         let blocks = blocks(at, &bodies);
         let rows = Rows::of(response, state, &blocks);
-        let mut closing = Closing { bodies, blocks, rows, free: vec![0.0; whole.velocity_count], offset: Vec::new() };
+        let cancelled = without_motors(whole, state, &rows);
+        let free = vec![0.0; whole.velocity_count];
+        let mut closing = Closing { bodies, blocks, rows, free, cancelled, offset: Vec::new() };
         closing.drive(at, response, state, efforts);
         closing
     }
@@ -153,9 +158,10 @@ impl Closing {
         *offset = second_rates(whole, elements, bodies, state, free, blocks, joint);
     }
 
-    /// How fast what each row is of falls.
+    /// How fast what each row is of falls, or would fall without motors that hold it.
     fn falls(&self) -> Vec<f64> {
-        self.blocks.iter().flat_map(|block| &block.rows).map(|row| fall(row, &self.free)).collect()
+        let rows = self.blocks.iter().flat_map(|block| &block.rows);
+        rows.zip(&self.cancelled).map(|(row, cancelled)| fall(row, &self.free) + cancelled).collect()
     }
 
     /// Whether a block falls without a relative acceleration. Rows across the fall of a contact have the roundings of the rows along it; a sliding

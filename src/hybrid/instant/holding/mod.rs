@@ -15,3 +15,4 @@ pub(crate) mod rope;
 pub(crate) mod sparse;
 pub mod statuses;
 pub mod touching;
+pub(crate) mod weights;

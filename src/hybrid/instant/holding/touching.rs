@@ -19,6 +19,8 @@ use nalgebra::{Rotation3, Translation3, Vector3};
 pub(crate) const TOUCHED: f64 = 1e-11;
 /// A feature touches no farther beyond its border than this part of the size of the pair.
 const BEYOND: f64 = 1e-9;
+/// Other features of a pair that touches are looked for within these parts of the distance that is asked for.
+const SEARCHED: [f64; 3] = [1.0 / 64.0, 1.0 / 8.0, 1.0];
 /// Shapes whose gap is more than this part of the smaller one are well apart.
 const WELL_APART: f64 = 1e-3;
 
@@ -268,7 +270,6 @@ impl Touching {
                     if let Some(least) = geometry.ball_beside(&features, &a, &b, within) {
                         return least;
                     }
-                    let others = self.near(pair, bodies, within).into_iter();
                     // If a rim touches at one point alone, the opposite point is next: the cylinder tilts in a plane.
                     let points = closed.iter().filter(|contact| contact.flat_end().is_some());
                     let ends: Vec<RimOf> = points.clone().filter_map(|contact| contact.rim()).collect();
@@ -278,11 +279,17 @@ impl Touching {
                     // A search in a wide neighbourhood finds places beyond the borders of faces, too: a rim over an edge is below the plane of the face. Rounded
                     // shapes are as near there as the place says.
                     let border = if geometry.is_rounded() { f64::INFINITY } else { self.pairs[pair].within(BEYOND) };
-                    let others = others.filter(|(near, _)| {
+                    let is_other = |(near, _): &&(Contact, f64)| {
                         let known = features.contains(&near.features) || near.rim().is_some_and(|end| alone(&end));
                         !known && self.margin(near, bodies) >= -border
-                    });
-                    return others.map(|(_, gap)| gap).chain(opposite).fold(within, f64::min);
+                    };
+                    let least = opposite.fold(within, f64::min);
+                    // Places nearby are fewer.
+                    let of = |part: &f64| {
+                        let near = self.near(pair, bodies, part * within);
+                        near.iter().filter(is_other).map(|(_, gap)| *gap).min_by(f64::total_cmp)
+                    };
+                    return SEARCHED.iter().find_map(of).map_or(least, |gap| gap.min(least));
                 }
             }
         }

@@ -106,7 +106,7 @@ const DEEP: f64 = 1e-6;
 /// The warning about an overlap (m) at a time (s), if it is deep.
 fn overlap_words(penetration: f64, time: f64) -> Option<String> {
     let deep = format!(
-        "shapes overlap by {penetration:.1e} m at t = {} s, where contacts changed faster than steps could follow; compare the run with one of a \
+        "shapes overlap by {penetration:.1e} m at t = {} s, in a step of first order; compare the run with one of a \
          smaller --tolerance or --step",
         rounded(time)
     );

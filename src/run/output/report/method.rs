@@ -189,10 +189,11 @@ pub(crate) fn first_order_is_felt(description: &MethodDescription) -> bool {
 
 /// Whether a body with 1 m/s goes on in steps of first order by more than this part of the accuracy.
 fn first_order_moves_more_than(part: f64, description: &MethodDescription) -> bool {
-    let time = description.first_order_time;
+    // Bodies that sleep stay where they are.
+    let time = description.first_order_time - description.first_order_asleep;
     description.first_order_steps > 0
         && description.stages != StepChoice::OVER_EVENTS
-        && description.tolerance.is_none_or(|tolerance| time > part * tolerance)
+        && time > description.tolerance.map_or(0.0, |tolerance| part * tolerance)
 }
 
 /// The warning of contacts that were too many or too contradictory for the solver in a run of this duration (s), which has `reached` its accuracy as far as
@@ -205,7 +206,7 @@ pub(crate) fn unsolved_warning(description: &MethodDescription, duration: f64, r
     let crowded = first_order_moves_more_than(felt, description).then(|| {
         let steps = counted(steps, "first-order step", "first-order steps");
         format!(
-            "contacts changed faster than steps could follow: the run took {steps}, {} % of its time{}",
+            "exact steps would have cost too much, or could not be made: the run took {steps}, {} % of its time{}",
             rounded(100.0 * time / duration),
             if asleep > 0.0 {
                 format!(", of which bodies slept {} %", rounded(100.0 * asleep / time))
@@ -256,16 +257,18 @@ mod tests {
 
     #[test]
     fn steps_of_first_order_in_which_nothing_moves_as_far_as_the_accuracy_are_not_said() {
-        let said = |first_order_time: f64, tolerance: Option<f64>, reached: bool| {
+        let said_of = |[first_order_time, first_order_asleep]: [f64; 2], tolerance: Option<f64>, reached: bool| {
             let method = MethodDescription::fixed("lobatto", 3, 4, 0.01);
-            let method = MethodDescription { first_order_steps: 1, first_order_time, tolerance, ..method };
-            unsolved_warning(&method, 2.0, reached).is_some()
+            let method = MethodDescription { first_order_steps: 1, first_order_time, first_order_asleep, ..method };
+            unsolved_warning(&MethodDescription { tolerance, ..method }, 2.0, reached).is_some()
         };
+        let said = |time: f64, tolerance: Option<f64>, reached: bool| said_of([time, 0.0], tolerance, reached);
         // 1 m/s moves 1e-12 m in 1e-12 s, a part of 1e-6 of the accuracy.
         assert!(!said(1e-12, Some(1e-6), false));
         assert!(said(1e-8, Some(1e-6), false), "a hundredth of it");
         assert!(!said(1e-6, Some(1e-6), true), "an estimate tells that no more comes of it");
         assert!(said(2e-6, Some(1e-6), true), "more than the accuracy");
         assert!(said(1e-12, None, false), "given steps have no accuracy");
+        assert!(!said_of([1.9, 1.9], Some(1e-6), false) && !said_of([1.9, 1.9], None, false), "all bodies sleep");
     }
 }
