@@ -286,20 +286,21 @@ impl Mesh {
             let triangle = &self.parts.triangles[number as usize];
             let both = Both { a: &triangle.facet.shape, b, rotation: *rotation, translation: *translation };
             let Some(closest) = nearest(&both) else { continue };
-            let before = found.len();
-            let mut add = |closest: Candidate| {
-                let named = manifold_along(&both, closest, near).into_iter();
-                let named = named.map(|candidate| self.named(number as usize, candidate));
-                found.extend(named.filter(|candidate| self.may_touch(candidate)));
-                found.len() > before
+            let named = |candidate: Candidate| self.named(number as usize, candidate);
+            let along = |closest: Candidate| -> Vec<Candidate> {
+                let places = manifold_along(&both, closest, near).into_iter().map(named);
+                places.filter(|candidate| self.may_touch(candidate)).collect()
             };
+            let mut places = along(closest);
             // A corner that is deeper behind a triangle than it is away from its side leaves it soonest across that side, where the neighbour is in its way.
-            if !add(closest) && closest.distance() < -FLAT * both.size() {
+            if places.is_empty() && closest.distance() < -FLAT * both.size() {
                 let through = through_face(&both, &closest);
-                if !add(through) {
-                    found.push(self.named(number as usize, through));
+                places = along(through);
+                if places.is_empty() {
+                    places.push(named(through));
                 }
             }
+            found.append(&mut places);
         }
         self.distinct(found, b)
     }
@@ -424,12 +425,12 @@ impl Mesh {
 
 /// A triangle that a core pierces: the farthest point of the core behind the side from which it is less deep, and a point of the triangle.
 fn through_face(both: &Both, closest: &Candidate) -> Candidate {
-    let behind = |(side, normal): (u32, Vector3<f64>)| {
+    let behind = |(normal, side): (Vector3<f64>, u32)| {
         let farthest = supports(both, (both.separation(&normal), normal));
         let features = [FeatureId::Face(side), farthest.features[1]];
         Candidate { features, points: [closest.points[0], farthest.points[1]], ..farthest }
     };
-    let sides = normals(&both.a.core).enumerate().map(|(side, normal)| (side as u32, normal)).map(behind);
+    let sides = normals(&both.a.core).zip(0..).map(behind);
     sides.max_by(|one, other| one.separation.total_cmp(&other.separation)).unwrap_or(*closest)
 }
 

@@ -1,4 +1,4 @@
-//! What a mesh is made of: vertices without doubles, and boxes along the axes, by which its tree finds triangles.
+//! Parts of a mesh: vertices without doubles, and boxes along the axes, by which its tree finds triangles.
 
 use crate::shapes::convex::Convex;
 use catena_mechanism::description::joint::Pose;

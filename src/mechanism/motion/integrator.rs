@@ -40,7 +40,7 @@ pub struct MethodDescription {
     pub unsolved_contacts: usize,
     /// How often each contact solver has solved a problem of an event.
     pub contact_solvers: ContactSolvers,
-    /// Steps of first order where contacts changed faster than steps could follow, and the time that they took of the motion (s).
+    /// Steps of first order where exact steps cost too much or could not be made, and the time that they took of the motion (s).
     pub first_order_steps: usize,
     pub first_order_time: f64,
     /// How long bodies slept in them: the mean over all bodies (s).

@@ -16,7 +16,7 @@ use crate::instant::holding::blocks::{Block, Of, Rows, rows_of_contact, second_r
 use crate::instant::holding::elements::Elements;
 use crate::instant::holding::moments::{blocks_of_turning, solve_with_moments};
 use crate::instant::holding::pairs::Pair;
-use crate::instant::holding::weights::without_motors;
+use crate::instant::holding::weights::held_weights;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::description::contact::TouchJoint;
 use crate::mechanism::motion::contact_solvers::ContactSolvers;
@@ -32,7 +32,7 @@ const LESS: f64 = 1e-9;
 
 /// The elements at rest with their laws, before it is known how they respond.
 pub(super) struct AtRest {
-    /// Places and rates of all bodies; empty without candidates.
+    /// Places and rates of all bodies; empty without candidates and without weights that motors hold.
     bodies: Vec<BodyState>,
     blocks: Vec<Block>,
     /// Those from outside and of motors, and friction of joints that move; one entry a degree of freedom.
@@ -50,7 +50,8 @@ impl AtRest {
         yielding: &Yielding,
         candidates: &[Candidate],
     ) -> Self {
-        let bodies = if candidates.is_empty() { Vec::new() } else { body_states(scene.whole, state) };
+        let asked = !candidates.is_empty() || !scene.whole.forces.gravity_compensations.is_empty();
+        let bodies = if asked { body_states(scene.whole, state) } else { Vec::new() };
         let mut at_rest = AtRest { bodies, blocks: Vec::new(), efforts: efforts.to_vec() };
         for (index, joint) in scene.elements.joints.iter().enumerate() {
             let (rate, side) = (joint.rate(state), joint.side(joint.position(state)));
@@ -99,14 +100,14 @@ impl AtRest {
         let of_contact = |contact: usize| &candidates[contact].contact.joint;
         let offset = second_rates(scene.whole, scene.elements, &bodies, state, &free, &blocks, of_contact);
         let largest = free.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        let cancelled = without_motors(scene.whole, state, &rows);
+        let cancelled = held_weights(scene.whole, &bodies, &rows);
         RestProblem { bodies, blocks, free, largest, cancelled, rows, offset }
     }
 }
 
 /// The elements at rest with their laws, and how they respond.
 pub(super) struct RestProblem {
-    /// Places and rates of all bodies; empty without candidates.
+    /// Places and rates of all bodies; empty without candidates and without weights that motors hold.
     pub bodies: Vec<BodyState>,
     pub blocks: Vec<Block>,
     /// a_free, one entry a degree of freedom.

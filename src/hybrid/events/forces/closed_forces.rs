@@ -25,7 +25,7 @@ use crate::instant::holding::blocks::{Block, Of, Rows, fall, least_answer, rows_
 use crate::instant::holding::moments::{Turning, blocks_of_moments, give_loads, have_moments};
 use crate::instant::holding::pairs::Pair;
 use crate::instant::holding::touching::Contact;
-use crate::instant::holding::weights::without_motors;
+use crate::instant::holding::weights::held_weights;
 use crate::mechanism::description::body_state::BodyState;
 use crate::mechanism::motion::kinematics::body_states;
 use crate::mechanism::motion::state::State;
@@ -142,7 +142,7 @@ impl Closing {
         let bodies = body_states(whole, state);
         let blocks = blocks(at, &bodies);
         let rows = Rows::of(response, state, &blocks);
-        let cancelled = without_motors(whole, state, &rows);
+        let cancelled = held_weights(whole, &bodies, &rows);
         let free = vec![0.0; whole.velocity_count];
         let mut closing = Closing { bodies, blocks, rows, free, cancelled, offset: Vec::new() };
         closing.drive(at, response, state, efforts);

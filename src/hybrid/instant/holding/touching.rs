@@ -284,7 +284,7 @@ impl Touching {
                         !known && self.margin(near, bodies) >= -border
                     };
                     let least = opposite.fold(within, f64::min);
-                    // Places nearby are fewer.
+                    // A search nearby finds fewer places to look at.
                     let of = |part: &f64| {
                         let near = self.near(pair, bodies, part * within);
                         near.iter().filter(is_other).map(|(_, gap)| *gap).min_by(f64::total_cmp)
