@@ -145,3 +145,64 @@ fn an_impact_in_the_first_step_after_a_corner_of_a_target_has_no_part_of_a_trans
     // 8.8e-6 m before, told 9e-10 m.
     assert!(off <= 1e-6, "{off:e} m");
 }
+
+#[test]
+fn a_hard_damper_takes_no_more_steps_at_a_loose_tolerance_than_at_a_fine_one() {
+    // A slider on a pendulum of 1.7 kg, with time constants of 1e-6 to 1e-2 s: 43 829 steps at 1e-2 m, and 3 at 1e-6 m.
+    let link = |name: &str, at: &str, mass: f64, size: f64| {
+        format!(
+            "<link name='{name}'><inertial><origin xyz='{at}'/><mass value='{mass}'/>\
+             <inertia ixx='{size}' iyy='{size}' izz='{size}' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+        )
+    };
+    for (mass, damping) in [(0.13, 1.1e5), (0.0045, 1.4e3), (0.13, 7.1e3), (0.45, 1.7e2), (0.02, 4.3e4)] {
+        let robot = format!(
+            "<link name='base'/>{}{}<joint name='hinge' type='continuous'><parent link='base'/><child link='rod'/><axis xyz='0 1 0'/></joint>\
+             <joint name='slide' type='prismatic'><parent link='rod'/><child link='slider'/><origin xyz='0 0 -0.3'/><axis xyz='0 0 -1'/>\
+             <limit lower='-10' upper='10' effort='0' velocity='0'/><dynamics damping='{damping}'/></joint>",
+            link("rod", "0 0 -0.3", 1.7, 0.01),
+            link("slider", "0 0 0", mass, 1e-6)
+        );
+        let file = scene_of("hard_dampers_slider", &robot, "[[robot]]\nurdf = \"robot.urdf\"\n");
+        let run = |tolerance: f64| report(&file, &[("hinge", -0.5)], &[("hinge", -0.8)], Some(0.5), tolerance);
+        let exact = run(1e-10);
+        for tolerance in [1e-2, 1e-3, 1e-4, 1e-6] {
+            let ended = run(tolerance);
+            let (off, tries) = (apart(&ended, &exact), ended.steps + ended.rejected_steps);
+            println!("{mass} kg, {damping} N s/m, {tolerance:e} m: {tries} attempts, off {off:e} m");
+            assert!(off <= tolerance && ended.accuracy.as_ref().is_some_and(|accuracy| accuracy.reached), "{off:e} m");
+            assert!(tries <= 60, "{mass} kg, {damping} N s/m, {tolerance:e} m: {tries} attempts");
+        }
+    }
+}
+
+#[test]
+fn a_joint_that_leaves_its_limit_is_not_put_back_on_it_where_a_long_step_is_roughly_known() {
+    // A finger of three links on an arm of two, all on their limits.
+    let links = [
+        ("-0.0588 -0.0573 0.0199", 0.885, 0.00885, "0 0 1", [-9.0, 9.0], "damping='0'"),
+        ("0.0299 -0.0547 -0.0249", 1.04, 0.0104, "0 0 1", [-9.0, 9.0], "damping='0' friction='1'"),
+        ("-0.0574 0.0864 0.0933", 0.0123, 3.94e-4, "0 0 1", [0.0, 1.5], "damping='0.228'"),
+        ("-0.058 -0.041 -0.0142", 0.0107, 3.67e-5, "1 0 0", [0.0, 1.5], "damping='0.0142'"),
+        ("0.0823 -0.0577 -0.0614", 0.0197, 8.6e-5, "0 1 0", [0.0, 1.5], "damping='0.635'"),
+    ];
+    let mut robot = "<link name='l0'/>".to_string();
+    for (number, (at, mass, size, axis, [lower, upper], dynamics)) in links.into_iter().enumerate() {
+        write!(
+            robot,
+            "<link name='l{1}'><inertial><origin xyz='{at}'/><mass value='{mass}'/>\
+             <inertia ixx='{size}' iyy='{size}' izz='{size}' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+             <joint name='j{1}' type='revolute'><parent link='l{0}'/><child link='l{1}'/><origin xyz='{at}'/><axis xyz='{axis}'/>\
+             <limit lower='{lower}' upper='{upper}' effort='9' velocity='9'/><dynamics {dynamics}/></joint>",
+            number,
+            number + 1
+        )
+        .expect("text");
+    }
+    let file = scene_of("hard_dampers_leaving", &robot, "[[robot]]\nurdf = \"robot.urdf\"\n");
+    let ended = report(&file, &[], &[], Some(1.0), 1e-3);
+    let off = apart(&ended, &report(&file, &[], &[], Some(1.0), 1e-7));
+    println!("{} steps, off {off:e} m", ended.steps);
+    // A joint that left its limit at 1e-7 rad/s was put back on it 280 times, each time 1e-11 s later.
+    assert!(ended.steps <= 120 && off <= 1e-3, "{} steps, off {off:e} m", ended.steps);
+}

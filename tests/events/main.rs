@@ -12,6 +12,7 @@ mod turning;
 mod ball_dampers;
 mod belts;
 mod blocked;
+mod brakes;
 mod carts;
 mod closed;
 mod contacts;

@@ -41,6 +41,8 @@ const SHORT: f64 = 1e-6;
 /// The effort of a motor has a kink at its bound, and no jump. So its root is near enough if the impulse that is missed is at most this part of the
 /// tolerance (over 1 m) of the impulse that the motor can give in the step.
 const MISSED: f64 = 1e-3;
+/// A joint that leaves its limit has a root at the start. Attempts that lead below this part of the first bracket tend to it.
+const TO_START: f64 = 0.5;
 /// For slips it also ends if the bracket is narrower than this part of the step.
 const NARROW: f64 = 1e-2;
 
@@ -394,6 +396,10 @@ impl Eventful {
             let (from, to) = (low.min(length) - beside, high.max(length) + beside);
             // Beyond an instant at which forces change they are others.
             let to = if bounded { to.min(full) } else { to };
+            // The dense output of a long step has dipped below a limit that the joint leaves.
+            if is_limit && !passed && wanted < TO_START * (bracket.low - since) {
+                return Ok(false);
+            }
             length = if wanted > from.max(0.0) && wanted < to {
                 wanted
             } else if stops && !passed && wanted >= to && high < full {

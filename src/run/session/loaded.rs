@@ -1,6 +1,7 @@
 //! A loaded model, and the state in which its run starts.
 
 use crate::instant::start::assembly::{assemble_counted, assemble_on_closures, overlap_in_words};
+use crate::instant::start::damped_points::{DECAY, rotors_of_dampers};
 use crate::instant::start::gimbal_lock::leave_gimbal_lock;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::nonsmooth::Motor;
@@ -48,6 +49,15 @@ const UNNOTICEABLE: f64 = 1e-9;
 const NAMED: usize = 3;
 
 impl Loaded {
+    /// A model with its start. Joints whose dampers move next to nothing there get rotors.
+    pub(crate) fn new(model: Model, start: Start, simulation: SimulationSettings) -> Self {
+        let mut loaded = Loaded { model, start, simulation, counted: None };
+        if let Ok(state) = loaded.unassembled_state() {
+            loaded.give_rotors(&state);
+        }
+        loaded
+    }
+
     /// The start, moved to satisfy limits, loops and mimic relations. Changes become warnings of the model.
     ///
     /// # Errors
@@ -60,6 +70,7 @@ impl Loaded {
     ) -> Result<State, Error> {
         let (given, wanted) = self.given(0.0, positions, velocities, base_velocity)?;
         self.model.leave_out_overlaps(&given);
+        self.give_rotors(&given);
         let assembled = self.settled(given, &wanted)?;
         Ok(self.begun(assembled, &HeldTargets::new()))
     }
@@ -71,6 +82,7 @@ impl Loaded {
     /// As of [`Loaded::assembled`].
     pub fn settled_from(&mut self, state: State, known: &HeldTargets) -> Result<State, Error> {
         self.model.leave_out_overlaps(&state);
+        self.give_rotors(&state);
         let assembled = self.settled(state, &Start::default())?;
         Ok(self.begun(assembled, known))
     }
@@ -88,6 +100,25 @@ impl Loaded {
         if let Some(motors) = motors_from(&self.model, start, known) {
             self.model.mechanism.nonsmooth.motors = motors;
         }
+    }
+
+    /// Gives rotors to joints whose dampers move next to nothing at the start.
+    fn give_rotors(&mut self, start: &State) {
+        let rotors = rotors_of_dampers(&self.model.mechanism, start);
+        let Some(time) = rotors.first().map(|rotor| rotor.time) else { return };
+        let names = rotors.iter().map(|rotor| {
+            let unit = if self.model.mechanism.bodies[rotor.body].joint.kind.unit(0) == "m" { "kg" } else { "kg m²" };
+            format!("{:?} {:.0e} {unit}", joint_name(&self.model, rotor.body), rotor.armature)
+        });
+        let message = format!(
+            "dampers of joints have next to no inertia to move, because links are points of mass or have none: a motion of them decays in {time:.1e} s. \
+             They got rotors, with which it takes {DECAY:.0e} s: {}; `armature` of a [[joint]] sets others",
+            names.collect::<Vec<_>>().join(", ")
+        );
+        for rotor in &rotors {
+            self.model.mechanism.bodies[rotor.body].joint.armature += rotor.armature;
+        }
+        self.model.warnings.push(Warning::odd(self.model.path(), None, None, message));
     }
 
     /// Takes the start and the known targets of motors into the model.

@@ -109,7 +109,7 @@ impl World {
         model.leave_out_overlaps(&model.initial_state(&[], &[], None)?);
         model.without(&self.without);
         model.warnings.extend(nothing_moves(&model, "--base floating"));
-        Ok(Loaded { model, start: Start::default(), simulation: SimulationSettings::default(), counted: None })
+        Ok(Loaded::new(model, Start::default(), SimulationSettings::default()))
     }
 
     /// Reduces the result of [`World::scene`] to a model. Its numbers are set.
@@ -163,7 +163,7 @@ impl World {
         model.without(&self.without);
         model.warnings.extend(nothing_moves(&model, "base = \"floating\" in its [[robot]]"));
         model.warnings.extend(self.hold.and_then(|_| nothing_to_hold(&scene)));
-        Ok(Loaded { model, start, simulation: scene.simulation, counted: None })
+        Ok(Loaded::new(model, start, scene.simulation))
     }
 
     /// Refuses invalid numbers, which the command line never passes on.

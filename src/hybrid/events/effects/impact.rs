@@ -8,10 +8,12 @@
 //! ```
 //!
 //! where the tangents of belts add their velocity w to u, and their drives do the work `−w · P`; in the rounds of [`crate::instant::cone::impact`]. Near gimbal lock the joints of limits have the rates u⁺ of the law, and the others follow from
-//! the mass matrix ([`crate::events::effects::resting`]). Efforts that are finite, of friction in joints and of motors, give no impulse.
+//! the mass matrix ([`crate::events::effects::resting`]). Efforts that are finite, of friction in joints and of motors, give no impulse, but for
+//! joints that would slip by too little to matter ([`crate::events::effects::brakes`]).
 //!
 //! Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics" (1988).
 
+use crate::events::effects::brakes::Brake;
 use crate::events::effects::decision::Scene;
 use crate::events::effects::resting::{energy, give_rates};
 use crate::events::forces::chosen::Chosen;
@@ -64,6 +66,9 @@ pub(crate) struct Impulses {
     pub driven: f64,
     /// The energy that omitted rebounds have not given back (J).
     pub cut: f64,
+    /// The joints that friction has held, and by how much they would have slipped (rad or m).
+    pub held: Vec<Brake>,
+    pub slides: f64,
     /// The part of the rates in which it is not known, because the law could not be solved to its accuracy.
     pub residual: f64,
     /// Rates below this [m/s or rad/s] are roundings of the terms that they are the sum of, as of a light body between heavy ones, or not known.
@@ -108,8 +113,14 @@ fn rate_of_joint(block: &Block, rate: f64) -> Option<(usize, f64)> {
     Some((freedom, rate / row[freedom]))
 }
 
-/// Changes the velocities of a state so that no limit or contact approaches; rates of limits that end at rest are exactly zero.
-pub fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Result<Impulses, Unsolved> {
+/// Changes the velocities of a state so that no limit or contact approaches; rates of limits that end at rest are exactly zero. Joints whose brakes bear the
+/// blow stay at rest.
+pub fn collide(
+    scene: &mut Scene,
+    state: &mut State,
+    meetings: &[Meeting],
+    brakes: &[Brake],
+) -> Result<Impulses, Unsolved> {
     let mut done = Impulses::none(meetings);
     if meetings.is_empty() {
         return Ok(done);
@@ -117,13 +128,27 @@ pub fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Re
     if !meetings.iter().any(|meeting| meeting.approaches(&state.velocity)) {
         return Ok(done);
     }
-    let blocks: Vec<Block> = meetings.iter().map(|meeting| meeting.block.clone()).collect();
+    let count = state.velocity.len();
+    let mut blocks: Vec<Block> = meetings.iter().map(|meeting| meeting.block.clone()).collect();
+    blocks.extend(brakes.iter().map(|brake| brake.block(count)));
     let rows = Rows::of(scene.response, state, &blocks);
     let before = rows.rates(&state.velocity);
     let laws: Vec<Law> = blocks.iter().map(|block| block.law).collect();
-    let restitution: Vec<f64> = meetings.iter().map(|meeting| meeting.restitution).collect();
+    let mut restitution: Vec<f64> = meetings.iter().map(|meeting| meeting.restitution).collect();
+    restitution.resize(blocks.len(), 0.0);
     let problem = Problem { mobility: &rows.square, free: &before, laws: &laws };
-    let found = impact(&problem, &restitution, scene.solvers)?;
+    let found = match impact(&problem, &restitution, scene.solvers) {
+        Err(_) if !brakes.is_empty() => return collide(scene, state, meetings, &[]),
+        found => found?,
+    };
+    let first = before.len() - brakes.len();
+    let borne = || brakes.iter().zip(first..).map(|(brake, row)| (brake, row, found.impulses[row]));
+    let bears = |(brake, row, impulse): (&Brake, usize, f64)| (!brake.slips(&rows, row, impulse)).then_some(*brake);
+    let held: Vec<Brake> = borne().filter_map(bears).collect();
+    if held.len() < brakes.len() {
+        return collide(scene, state, meetings, &held);
+    }
+    done.slides = borne().map(|(brake, row, impulse)| brake.slide(&rows, row, impulse)).sum();
     let velocity = state.velocity.clone();
     rows.add(&found.impulses, &mut state.velocity);
     (done.lost, done.cut, done.residual) = (found.lost, found.cut, found.residual);
@@ -163,6 +188,8 @@ pub fn collide(scene: &mut Scene, state: &mut State, meetings: &[Meeting]) -> Re
         }
         row += meeting.block.rows.len();
     }
-    done.rows = found.impulses;
+    brakes.iter().for_each(|brake| state.velocity[brake.freedom] = 0.0);
+    done.held = brakes.to_vec();
+    done.rows = found.impulses[..first].to_vec();
     Ok(done)
 }

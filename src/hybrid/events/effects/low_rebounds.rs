@@ -22,6 +22,7 @@
 //! Nor is what is not pulled back, with restitution or without: no flights bring it to rest. A link that turns over two points of its hull, 2e-6 m apart,
 //! leaves the first at 5e-6 m/s, and would be stopped by 1000 N s.
 
+use crate::events::effects::brakes::Brake;
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::Scene;
 use crate::events::effects::impact::{GAIN, Impulses, Meeting, collide};
@@ -131,7 +132,7 @@ fn too_low(
 pub(crate) fn bring_low_to_rest(
     scene: &mut Scene,
     state: &mut State,
-    meetings: &[Meeting],
+    (meetings, brakes): (&[Meeting], &[Brake]),
     impulses: &mut Impulses,
     before: &[f64],
     mut efforts: impl FnMut(&State) -> Vec<f64>,
@@ -148,9 +149,10 @@ pub(crate) fn bring_low_to_rest(
         all.extend(low);
         let plastic: Vec<Meeting> =
             meetings.iter().map(|meeting| Meeting { restitution: 0.0, ..meeting.clone() }).collect();
-        let Ok(more) = collide(scene, state, &plastic) else { break };
+        let Ok(more) = collide(scene, state, &plastic, brakes) else { break };
         impulses.lost += more.lost;
         impulses.driven += more.driven;
+        impulses.slides += more.slides;
         for (sum, impulse) in impulses.normal.iter_mut().zip(more.normal) {
             *sum += impulse;
         }

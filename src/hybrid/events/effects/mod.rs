@@ -1,6 +1,7 @@
 //! The effects of an event: impulses, the contacts that stay closed, and the next mode.
 
 pub(crate) mod blocked;
+pub(crate) mod brakes;
 pub(crate) mod contacts;
 mod deciding;
 pub(crate) mod decision;

@@ -11,6 +11,7 @@
 //!
 //! Source: Ch. Glocker, Set-Valued Force Laws, Springer 2001, chapter 9, on the sequence of simultaneous impacts.
 
+use crate::events::effects::brakes::Brake;
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::Scene;
 use crate::events::effects::impact::{Meeting, collide};
@@ -41,7 +42,7 @@ pub(crate) fn speed_in_doubt(
     scene: &mut Scene,
     memory: &Memory,
     contacts: &Contacts,
-    meetings: &[Meeting],
+    (meetings, brakes): (&[Meeting], &[Brake]),
     before: &[f64],
     after: &State,
 ) -> f64 {
@@ -52,7 +53,7 @@ pub(crate) fn speed_in_doubt(
     let others = meetings.iter().enumerate().filter(|(index, _)| !flying.contains(index));
     let others: Vec<Meeting> = others.map(|(_, meeting)| meeting.clone()).collect();
     let mut state = State { velocity: before.to_vec(), ..after.clone() };
-    let solved = collide(scene, &mut state, &others).and_then(|_| collide(scene, &mut state, meetings));
+    let solved = collide(scene, &mut state, &others, brakes).and_then(|_| collide(scene, &mut state, meetings, brakes));
     if solved.is_err() {
         return 0.0;
     }

@@ -12,6 +12,7 @@
 //! ratio ρ of two impacts. The impact is plastic if the greatest remaining height, `γ⁺²/(2 g)` with `g = 2 γ⁺/T`, is too small to matter.
 
 use crate::events::effects::blocked::blocked;
+use crate::events::effects::brakes::Brake;
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::deciding::decide;
 use crate::events::effects::decision::{Scene, Undecided, Yielding};
@@ -73,7 +74,8 @@ pub(crate) fn transit(
     let lifted = contacts.move_apart(scene, state);
     let velocity = state.velocity.clone();
     let Gathered { mut meetings, mut ends, mut left } = gather_meetings(scene, state, memory, found, &rests, &contacts);
-    let mut collided = collide(scene, state, &meetings);
+    let brakes = Brake::all(scene, state, found.height);
+    let mut collided = collide(scene, state, &meetings, &brakes);
     for round in 0..COMPLETING {
         let Ok(impulses) = &collided else { break };
         if !contacts.has_flat_ends() {
@@ -88,7 +90,7 @@ pub(crate) fn transit(
         }
         state.velocity.copy_from_slice(&velocity);
         Gathered { meetings, ends, left } = gather_meetings(scene, state, memory, found, &rests, &contacts);
-        collided = collide(scene, state, &meetings);
+        collided = collide(scene, state, &meetings, &brakes);
     }
     let failed = collided.is_err();
     let mut impulses = collided.unwrap_or_else(|_| bring_to_rest(scene, state, &meetings));
@@ -97,7 +99,7 @@ pub(crate) fn transit(
     let rates: Vec<f64> = meetings.iter().map(|meeting| meeting.rate(&velocity)).collect();
     done.left = left;
     done.cut = cut_in_crowd(scene, memory, state.time, &contacts, &meetings, &rates, &impulses);
-    done.speed_in_doubt = speed_in_doubt(scene, memory, &contacts, &meetings, &velocity, state);
+    done.speed_in_doubt = speed_in_doubt(scene, memory, &contacts, (&meetings, &brakes), &velocity, state);
     if impulses.residual > 0.0 {
         done.speed_of_unsolved = impulses.residual * change_of_speed(scene, &velocity, state);
     }
@@ -105,9 +107,9 @@ pub(crate) fn transit(
     let (of, time) = ((scene.touching, &*memory, &contacts), state.time);
     let unseen = |pair: usize| unseen_flight(of, &meetings, &rates, time, pair);
     let height = |of: Of| contacts.pair_of(of).and_then(unseen).map_or(found.height, |gap| found.height.max(gap));
-    let low = bring_low_to_rest(scene, state, &meetings, &mut impulses, &rates, known, height);
+    let low = bring_low_to_rest(scene, state, (&meetings, &brakes), &mut impulses, &rates, known, height);
     (done.lost, done.driven) = (settled + lifted + impulses.lost, impulses.driven);
-    done.left += low.iter().map(|low| low.height).sum::<f64>();
+    done.left += low.iter().map(|low| low.height).sum::<f64>() + impulses.slides;
     let mut flights = ends.clone();
     flights.extend(low.into_iter().map(|low| {
         let of = meetings[low.index].block.of;
@@ -181,7 +183,8 @@ pub(crate) fn transit(
     mode.seams = held_seams(scene, state, &contacts.seams, mode);
     note_joints(elements, state.time, [&before, mode], &met, &mut done);
     note_pairs(scene, state.time, [&before, mode], &met, &mut done);
-    done.meetings = meetings;
+    let meets = |brake: &Brake| Meeting { block: brake.block(velocity.len()), restitution: 0.0, rest: 0.0 };
+    done.meetings = impulses.held.iter().map(meets).chain(meetings).collect();
     done.contacts = contacts.take();
     done
 }

@@ -3,6 +3,7 @@
 pub(crate) mod apart;
 pub mod assembly;
 pub(crate) mod assembly_elsewhere;
+pub mod damped_points;
 pub mod gimbal_lock;
 #[doc(hidden)]
 pub mod limits;
