@@ -1,5 +1,5 @@
 //! Steps that begin in single precision end where others do. That their first iterations are those of double precision to the digits of
-//! single is tested where these are made, in `src/lobatto/first.rs`.
+//! single is tested where these are made, in `src/lobatto/solve/single_precision.rs`. And guesses from attempts that were too long.
 
 use crate::models::{self, Model};
 use catena::kernels::step_for;
@@ -7,8 +7,12 @@ use catena::lobatto::numbers::lanes::Isa;
 use catena::lobatto::stages::attempt::{Attempt, Guess, StopRule};
 use catena::lobatto::tableau::butcher::Tableau;
 use catena::mechanism::description::body_state::BodyState;
+use catena::mechanism::description::joint::{Joint, JointKind, Pose};
+use catena::mechanism::description::mechanism::{Body, Mechanism};
 use catena::mechanism::description::rules::Rule;
 use catena::mechanism::motion::kinematics::body_states;
+use catena::mechanism::motion::state::State;
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 const STAGES: usize = 9;
 const STEP: f64 = 0.05;
@@ -78,4 +82,30 @@ fn links_that_hardly_resist_to_be_twisted_are_left_to_double_precision() {
     }
     let [(double, _), (single, _)] = ends(1e-2);
     assert!(Isa::detect() == Isa::Portable || double != single, "not even ordinary links are in single precision");
+}
+
+#[test]
+fn a_shorter_step_is_solved_sooner_from_the_attempt_that_was_too_long() {
+    let hinge = |name: &str, parent, on_parent| {
+        let on_child = Translation3::new(-0.5, 0.0, 0.0).into();
+        let joint = Joint::new(name, JointKind::Revolute, on_parent, on_child);
+        Body { name: name.into(), parent, mass: 1.0, inertia: Vector3::new(0.0, 0.1, 0.1), joint }
+    };
+    let tilt = UnitQuaternion::from_euler_angles(0.6, 0.0, 0.0).to_rotation_matrix();
+    let outer = Pose::from_parts(Translation3::new(0.5, 0.0, 0.0), tilt);
+    let bodies = vec![hinge("inner", None, Pose::identity()), hinge("outer", Some(0), outer)];
+    let mechanism = Mechanism::new("arm", Vector3::new(0.0, -9.81, 0.0), bodies).unwrap();
+    let mut state = State::zero(&mechanism);
+    state.velocity.copy_from_slice(&[1.0, -2.0]);
+    let mut kernel = step_for(&mechanism, Tableau::of(STAGES).unwrap(), Isa::detect(), &[Rule::Planar]);
+    kernel.begin(&mechanism, &state);
+    let rule = StopRule { increment: 1e-9, ..StopRule::ROUNDING };
+    let mut iterations = |step, guess| match kernel.attempt(&mechanism, step, &rule, guess) {
+        Attempt::Converged { iterations, .. } => iterations,
+        other => panic!("{other:?}"),
+    };
+    let [_, from_longer, from_rates] =
+        [(0.2, Guess::Plain), (0.17, Guess::Longer(0.2)), (0.17, Guess::Plain)].map(|(h, guess)| iterations(h, guess));
+    // The longer one is off by its truncation alone, some 1e-8.
+    assert!(from_longer <= 2 && from_rates >= 5, "{from_longer} and {from_rates}");
 }

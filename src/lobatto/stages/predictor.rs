@@ -100,16 +100,9 @@ impl<V: Lanes> Predictor<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stages::attempt::{Attempt, StopRule};
     use crate::stages::coefficients::Coefficients;
-    use crate::step::interface::Step;
-    use crate::step::kernel::Kernel;
-    use crate::step::spatial::SpatialWorkspace;
     use crate::vectors::portable::Portable;
-    use catena_mechanism::description::joint::{Joint, JointKind, Pose};
-    use catena_mechanism::description::mechanism::{Body, Mechanism};
-    use catena_mechanism::motion::state::State;
-    use nalgebra::{Translation3, UnitQuaternion, Vector3};
+    use nalgebra::{UnitQuaternion, Vector3};
 
     #[test]
     fn the_beginning_of_a_longer_attempt_is_that_of_its_polynomial() {
@@ -131,35 +124,6 @@ mod tests {
             }
             assert!(displacement[0].to_array()[nodes.len()..].iter().all(|&unused| unused == 0.0));
         }
-    }
-
-    #[test]
-    fn a_shorter_step_is_solved_sooner_from_the_attempt_that_was_too_long() {
-        let hinge = |name: &str, parent, on_parent| {
-            let on_child = Translation3::new(-0.5, 0.0, 0.0).into();
-            let joint = Joint::new(name, JointKind::Revolute, on_parent, on_child);
-            Body { name: name.into(), parent, mass: 1.0, inertia: Vector3::new(0.0, 0.1, 0.1), joint }
-        };
-        let tilt = UnitQuaternion::from_euler_angles(0.6, 0.0, 0.0).to_rotation_matrix();
-        let outer = Pose::from_parts(Translation3::new(0.5, 0.0, 0.0), tilt);
-        let bodies = vec![hinge("inner", None, Pose::identity()), hinge("outer", Some(0), outer)];
-        let mechanism = Mechanism::new("arm", Vector3::new(0.0, -9.81, 0.0), bodies).unwrap();
-        let mut state = State::zero(&mechanism);
-        state.velocity.copy_from_slice(&[1.0, -2.0]);
-        // The vectors of the tests of 32 digits, so that there is one kernel in the unit tests.
-        let tableau = Tableau::of(9).unwrap();
-        let workspace = SpatialWorkspace::<Portable<8>>::new(&mechanism, tableau, &[]);
-        let mut kernel = Kernel::new(&mechanism, tableau, workspace);
-        kernel.begin(&mechanism, &state);
-        let rule = StopRule { increment: 1e-9, ..StopRule::ROUNDING };
-        let mut iterations = |step, guess| match kernel.attempt(&mechanism, step, &rule, guess) {
-            Attempt::Converged { iterations, .. } => iterations,
-            other => panic!("{other:?}"),
-        };
-        let [_, from_longer, from_rates] = [(0.2, Guess::Plain), (0.17, Guess::Longer(0.2)), (0.17, Guess::Plain)]
-            .map(|(h, guess)| iterations(h, guess));
-        // The longer one is off by its truncation alone, some 1e-8.
-        assert!(from_longer <= 2 && from_rates >= 5, "{from_longer} and {from_rates}");
     }
 
     #[test]
