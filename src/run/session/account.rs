@@ -20,6 +20,7 @@ use crate::session::asked::{DEFAULT_TOLERANCE, Settled};
 use crate::session::between_ticks::between_ticks;
 use crate::session::description::{Origin, WENT_ON, description, figures};
 use crate::session::error::Error;
+use crate::session::other_steps::Length;
 use crate::session::recording::Recording;
 use crate::session::special_output::open_special;
 use crate::simulation::{Finished, RunError, Simulation};
@@ -90,8 +91,8 @@ pub(crate) struct Ended<'e> {
     pub finished: Finished,
     /// The outcome of the run.
     pub ended: Result<(), Error>,
-    /// The end of the same run with half the step, if it was checked.
-    pub checked: Option<&'e State>,
+    /// The end of the same run in other steps, with their length, if it was made.
+    pub checked: Option<&'e (State, Length)>,
     /// The observer of joint speeds.
     pub speeds: Option<&'e SpeedWatch>,
     /// The log.
@@ -174,9 +175,12 @@ impl Begun {
         let (events, contact) = (EventReport::new(model, &finished), ContactsReport::new(model, &finished));
         let Finished { state, summary, method, islands, joints: statuses, .. } = finished;
         let step_error = choice.step().and_then(|_| match checked {
-            Some(other) => {
+            Some((other, length)) => {
                 let apart = distance(&probes(mechanism, &state), &probes(mechanism, other));
-                Some(StepErrorReport::by_half_the_step(apart, method.order))
+                Some(match length {
+                    Length::Half => StepErrorReport::by_half_the_step(apart, method.order),
+                    Length::Twice => StepErrorReport::by_twice_the_step(apart),
+                })
             }
             None => StepErrorReport::by_energy(mechanism, &method, &summary, duration),
         });

@@ -17,8 +17,8 @@ use crate::session::asked::Settled;
 use crate::session::control::Control;
 use crate::session::description::Origin;
 use crate::session::error::Error;
-use crate::session::halved::Halved;
 use crate::session::model::Model;
+use crate::session::other_steps::{Length, OtherSteps};
 use crate::session::watch::Watch;
 use crate::simulation::{Checkpoint, Observer, Simulation, SimulationOptions};
 use std::borrow::Cow;
@@ -72,9 +72,9 @@ pub struct Running {
     rate: f64,
     /// A copy from before the first step of a run that a program makes.
     fresh: Option<Checkpoint>,
-    /// The same run with half the step before it is made, and its end.
-    halved: Option<Halved>,
-    checked: Option<State>,
+    /// The same run in other steps before it is made, and its end.
+    beside: Option<OtherSteps>,
+    checked: Option<(State, Length)>,
 }
 
 /// A finished run.
@@ -133,7 +133,9 @@ impl Running {
             figures: course.figures,
             ..SimulationOptions::new(duration, choice)
         };
-        let halved = course.checked.then(|| state.clone());
+        let beside =
+            if stepped || !course.figures { None } else { Length::of(course.checked, choice, &description.mechanism) };
+        let beside = beside.map(|length| (length, state.clone()));
         let account = Account::open(description, &state, settled);
         let mut simulation = Simulation::owning(model.shared().clone(), state, options, interrupt.clone())?;
         let begun = account.begun(description, counted.as_deref(), &simulation);
@@ -158,7 +160,15 @@ impl Running {
         if watch.looks() {
             simulation.sample_at(rate);
         }
-        let halved = halved.map(|state| Halved { model: model.clone(), settled, state, counted, kept, interrupt });
+        let beside = beside.map(|(length, state)| OtherSteps {
+            length,
+            model: model.clone(),
+            settled,
+            state,
+            counted,
+            kept,
+            interrupt,
+        });
         let end = start + duration;
         Ok(Running {
             simulation,
@@ -171,7 +181,7 @@ impl Running {
             duration,
             rate,
             fresh,
-            halved,
+            beside,
             checked: None,
         })
     }
@@ -193,18 +203,18 @@ impl Running {
         placed
     }
 
-    /// Makes the run to its end, and beside it the one with half the step, if that was asked for.
+    /// Makes the run to its end, and beside it the one in other steps, if there is one.
     ///
     /// # Errors
     /// A step, an observer, or the log that fails.
     pub fn run(&mut self) -> Result<(), Error> {
-        let Running { simulation, watch, halved, checked, .. } = self;
+        let Running { simulation, watch, beside, checked, .. } = self;
         let mut run = || watch.as_list(|observers| simulation.run_before(observers)).map_err(Error::from);
-        let Some(half) = halved.take() else { return run() };
+        let Some(other) = beside.take() else { return run() };
         std::thread::scope(|scope| {
-            let half = scope.spawn(|| half.end());
+            let other = scope.spawn(|| other.end());
             let ended = run();
-            *checked = half.join().ok().flatten();
+            *checked = other.join().ok().flatten();
             ended
         })
     }

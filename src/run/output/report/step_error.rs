@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!     by half the step:  d/(1 − 2^−p)               d: the distance of the ends of two runs, with h and h/2 (m); p: the order
+//!     by twice the step: d/5                        d: the same with h and 2 h, where bodies rebound: errors are amplified, and their order is not seen
 //!     by the energy:     10 · e · v T,    v = sqrt(2 T_max / m)          e: largest energy error over the largest kinetic energy T_max (J)
 //! ```
 //!
@@ -20,6 +21,8 @@ use serde::Serialize;
 const AMPLIFIED: f64 = 10.0;
 /// Errors beyond this (m, rad of a body of one metre) are said to the user.
 const NOTICEABLE: f64 = 1e-3;
+/// A run in steps twice as long is off by this many times the error; by hundreds of times where errors are small, and by as much where both are far off.
+const OF_TWICE: f64 = 5.0;
 /// Energy errors below this are rounding, which does not depend on steps. They give no estimate.
 const ROUNDING: f64 = 1e-11;
 
@@ -28,7 +31,7 @@ const ROUNDING: f64 = 1e-11;
 pub struct StepErrorReport {
     /// The error at the end (m).
     pub estimated: f64,
-    /// The source of the estimate: `half the step` or `energy`.
+    /// The source of the estimate: `half the step`, `twice the step` or `energy`.
     pub by: &'static str,
 }
 
@@ -36,6 +39,11 @@ impl StepErrorReport {
     /// The estimate of a method of this order from the distance of a run with half the step at the end (m).
     pub(crate) fn by_half_the_step(apart: f64, order: usize) -> Self {
         StepErrorReport { estimated: apart / (1.0 - 0.5_f64.powi(order as i32)), by: "half the step" }
+    }
+
+    /// The estimate where bodies rebound, from the distance of a run with twice the step at the end (m).
+    pub(crate) fn by_twice_the_step(apart: f64) -> Self {
+        StepErrorReport { estimated: apart / OF_TWICE, by: "twice the step" }
     }
 
     /// The estimate from the energy error of a run of this duration (s); `None` if rounding hides it, and for steps over events, whose balance of energy
@@ -64,7 +72,7 @@ impl StepErrorReport {
             return None;
         }
         let step = rounded(description.step);
-        let remedy = if by == "energy" {
+        let remedy = if by != "half the step" {
             "add --check for an estimate by half the step, or use --tolerance"
         } else {
             "use --tolerance"

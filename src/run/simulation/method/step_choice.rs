@@ -62,13 +62,13 @@ impl StepChoice {
         }
     }
 
-    /// The same with half the step, where one was given.
+    /// The same with a step that is longer by a factor, where one was given.
     #[must_use]
-    pub fn with_half_the_step(self) -> Self {
+    pub fn with_steps_times(self, factor: f64) -> Self {
         match self {
-            StepChoice::Fixed { stages, step } => StepChoice::Fixed { stages, step: 0.5 * step },
-            StepChoice::Reversible { stages, step } => StepChoice::Reversible { stages, step: 0.5 * step },
-            StepChoice::Precise { stages, step } => StepChoice::Precise { stages, step: 0.5 * step },
+            StepChoice::Fixed { stages, step } => StepChoice::Fixed { stages, step: factor * step },
+            StepChoice::Reversible { stages, step } => StepChoice::Reversible { stages, step: factor * step },
+            StepChoice::Precise { stages, step } => StepChoice::Precise { stages, step: factor * step },
             StepChoice::Tolerance(_) | StepChoice::Unestimated(_) => self,
         }
     }
