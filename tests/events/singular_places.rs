@@ -195,3 +195,18 @@ fn dampers_that_move_next_to_no_inertia_get_rotors_and_the_motion_is_that_of_sma
     assert!(off <= 1e-5 && ended.steps <= 2000, "{off:e} m in {} steps", ended.steps);
     assert!(ended.accuracy.as_ref().is_some_and(|accuracy| accuracy.reached));
 }
+
+#[test]
+fn points_of_mass_without_dampers_on_single_axes_get_no_rotors() {
+    let robot = "<link name='base'/><link name='bob'><inertial><origin xyz='0 0 -0.4'/><mass value='2'/>\
+                 <inertia ixx='0' iyy='0' izz='0' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+                 <joint name='hinge' type='revolute'><parent link='base'/><child link='bob'/><axis xyz='0 1 0'/>\
+                 <limit lower='-3' upper='3' effort='0' velocity='0'/><dynamics damping='DAMPING'/></joint>";
+    for damping in ["0", "0.1", "1e4"] {
+        let file =
+            scene_of("singular_places_bob", &robot.replace("DAMPING", damping), "[[robot]]\nurdf = \"robot.urdf\"\n");
+        let ended = report(&file, &[("hinge", 1.0)], &[], Some(0.2), 1e-6);
+        // 0.32 kg m² decay in 3e-5 s at least.
+        assert!(!ended.warnings.iter().any(|warning| warning.contains("rotors")), "{damping}: {:?}", ended.warnings);
+    }
+}

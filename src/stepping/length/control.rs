@@ -56,10 +56,6 @@ const BETWEEN_SHARE: f64 = 0.5;
 /// Below this tolerance (m) the bound does not shrink, because rounding is larger.
 const FINEST_TOLERANCE: f64 = 1e-11;
 
-/// The stop, over ε, of attempts that follow a jump of the energy: what the iteration leaves of a displacement is a velocity over the length of the step, and
-/// hard dampers take energy by its square.
-const AFTER_JUMP: f64 = 1e-4;
-
 /// Only steps whose E is above this part of the largest so far are evaluated inside: the error of interpolation grows with E.
 const AMONG_LARGEST: f64 = 0.5;
 
@@ -253,10 +249,8 @@ impl Control {
         self.rule_at(self.stop)
     }
 
-    /// The same with another stop: a finer one under forces after a jump of the energy.
+    /// The same with another stop.
     fn rule_at(&self, stop: f64) -> StopRule {
-        let jumped = self.memory.wary > 0 || self.memory.refused.is_some();
-        let stop = if jumped && !self.telling { AFTER_JUMP * stop } else { stop };
         let increment = stop.max(1e-16);
         StopRule {
             increment,

@@ -138,8 +138,9 @@ pub fn collide(
     restitution.resize(blocks.len(), 0.0);
     let problem = Problem { mobility: &rows.square, free: &before, laws: &laws };
     let found = match impact(&problem, &restitution, scene.solvers) {
-        Err(_) if !brakes.is_empty() => return collide(scene, state, meetings, &[]),
-        found => found?,
+        Ok(found) if found.residual == 0.0 || brakes.is_empty() => found,
+        Err(error) if brakes.is_empty() => return Err(error),
+        _ => return collide(scene, state, meetings, &[]),
     };
     let first = before.len() - brakes.len();
     let borne = || brakes.iter().zip(first..).map(|(brake, row)| (brake, row, found.impulses[row]));

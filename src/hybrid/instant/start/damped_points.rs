@@ -56,6 +56,9 @@ pub fn rotors_of_dampers(mechanism: &Mechanism, state: &State) -> Vec<Rotor> {
     // H less the inertia of damped joints that decay in the shortest time, to which the rotors are added.
     let mut left = mass_matrix(mechanism, state);
     (0..count).for_each(|freedom| left[(freedom, freedom)] -= SHORTEST * damping[freedom]);
+    if damping.iter().all(|damping| *damping == 0.0) || !left.iter().all(|entry| entry.is_finite()) {
+        return Vec::new();
+    }
     let (mut all, mut time) = (Vec::new(), None);
     while let Some((motion, least)) = short_motion(&left, &damping) {
         time.get_or_insert((SHORTEST + least).max(0.0));
@@ -79,8 +82,8 @@ pub fn rotors_of_dampers(mechanism: &Mechanism, state: &State) -> Vec<Rotor> {
     all.iter().filter_map(rotor).collect()
 }
 
-/// √D v of the motion v of damped joints with the most negative `vᵀ (H − λ₀ D + R) v` for `vᵀ D v = 1`, λ₀ the shortest time, and that value (s); joints without dampers follow by
-/// the least kinetic energy. `None` if there is no negative one.
+/// √D v of the motion v of damped joints with the most negative `vᵀ (H − λ₀ D + R) v` for `vᵀ D v = 1`, λ₀ the shortest time, and that value (s); joints
+/// without dampers follow by the least kinetic energy. `None` if there is no negative one.
 fn short_motion(left: &DMatrix<f64>, damping: &[f64]) -> Option<(Vec<f64>, f64)> {
     let damped: Vec<usize> = (0..damping.len()).filter(|&freedom| damping[freedom] > 0.0).collect();
     let free: Vec<usize> = (0..damping.len()).filter(|&freedom| damping[freedom] == 0.0).collect();
