@@ -7,7 +7,7 @@
 //!
 //! c is the damping of a joint by its own damper and motors [N m s/rad], Y its mobility [1/(kg m²)], a the accelerations under all efforts except at
 //! held joints, and D = W Y Wᵀ the mobility of S. q̇_s are the rates and λ_s the efforts of held joints [N m] once the transient is over. A joint whose q̇_s
-//! goes on, or whose λ_s holds it, has no event where q̇ or λ are zero: it would stop and slip, or part from its limit and meet it, in step after step.
+//! goes on, or whose λ_s holds it, from there to the end of the step, has no event where q̇ or λ are zero: it would stop and slip, or part from its limit and meet it, in step after step.
 //! f changes its sign within the step where rates ring, and keeps it where a slow motion lags behind. Trees without contacts are looked at.
 
 use crate::events::finding::watched::Watched;
@@ -45,22 +45,34 @@ impl Eventful {
         let joint = &self.model.elements.joints[index];
         let (own, (low, high)) = (joint.coordinate.freedom, self.mode.joints[index].holding(joint));
         let Some(place) = members.iter().position(|member| member.freedom == own) else { return false };
-        let force = forces[place];
-        let goes_on = match (watched, self.mode.joints[index], members[place].damping) {
+        let (mode, damping) = (self.mode.joints[index], members[place].damping);
+        let goes_on = |forces: &DVector<f64>, rate: f64| match (watched, mode, damping) {
             (Watched::Slide(_), JointMode::Free { sliding }, Some(damping)) => {
-                f64::from(sliding) * (self.trial.sample.velocity[own] - force / damping) > 0.0
+                f64::from(sliding) * (rate - forces[place] / damping) > 0.0
             }
-            (Watched::Bears(_, Side::Lower), _, None) => force > low,
-            (Watched::Bears(_, Side::Upper), _, None) => force < high,
+            (Watched::Bears(_, Side::Lower), _, None) => forces[place] > low,
+            (Watched::Bears(_, Side::Upper), _, None) => forces[place] < high,
             _ => false,
         };
+        if !goes_on(&forces, self.trial.sample.velocity[own]) {
+            return false;
+        }
         // A slow motion lags behind its settled rates with one sign.
         let turns = |there: &DVector<f64>| {
             let pairs = members.iter().zip(forces.iter().zip(there));
             pairs.into_iter().any(|(member, (force, there))| member.damping.is_some() && force * there < 0.0)
         };
-        let mut samples = (0..SAMPLES).map(|sample| since + length * sample as f64 / (SAMPLES - 1) as f64);
-        goes_on && samples.any(|time| self.settled(inputs, since, time, &members).is_some_and(|there| turns(&there)))
+        let mut turned = false;
+        for sample in 0..SAMPLES {
+            let at = since + length * sample as f64 / (SAMPLES - 1) as f64;
+            let Some(there) = self.settled(inputs, since, at, &members) else { continue };
+            // It does not go on to the end of the step.
+            if at > time && !goes_on(&there, self.trial.sample.velocity[own]) {
+                return false;
+            }
+            turned |= turns(&there);
+        }
+        turned
     }
 
     /// S at a time (s) in a step of this length (s); empty if no damper is hard.
