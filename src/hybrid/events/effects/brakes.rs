@@ -1,7 +1,7 @@
 //! Small blows that the friction of joints bears: the joints would slip by too little to matter, and stop.
 //!
 //! ```text
-//!     a joint at rest stays at rest if    ½ P² D ≤ τ d             P: the impulse that holds it [N m s or N s];  D: its mobility alone [1/(kg m²) or 1/kg]
+//!     a joint at rest stays at rest if    ½ P² D/τ < d             P: the impulse that holds it [N m s or N s];  D: its mobility alone [1/(kg m²) or 1/kg]
 //!                                                                  τ: its friction [N m or N];  d: the slide that may be left out (rad or m)
 //! ```
 //!
@@ -18,8 +18,6 @@ use crate::mechanism::motion::state::State;
 
 /// d over the height that accumulating impacts may leave.
 const SLIDE: f64 = 0.1;
-/// The bound of the impulse counts as reached from this part of it on.
-const REACHED: f64 = 1.0 - 1e-9;
 
 /// A joint at rest that friction holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,10 +25,10 @@ pub(crate) struct Brake {
     /// Its number among the elements, and its freedom.
     pub joint: usize,
     pub freedom: usize,
-    /// τ d (J).
-    work: f64,
     /// τ [N m or N].
     friction: f64,
+    /// d (rad or m).
+    most: f64,
 }
 
 impl Brake {
@@ -40,7 +38,7 @@ impl Brake {
         let holds = |(joint, of): (usize, &ElementJoint)| {
             let held = of.friction > 0.0 && of.rate(state) == 0.0 && of.side(of.position(state)).is_none();
             let (freedom, friction) = (of.coordinate.freedom, of.friction);
-            held.then_some(Brake { joint, freedom, work: SLIDE * height * friction, friction })
+            held.then_some(Brake { joint, freedom, friction, most: SLIDE * height })
         };
         let mut all: Vec<Brake> = scene.elements.joints.iter().enumerate().filter_map(holds).collect();
         let freedoms: Vec<usize> = all.iter().map(|brake| brake.freedom).collect();
@@ -54,15 +52,9 @@ impl Brake {
         Block::of_joint(self.joint, self.freedom, count, 1.0, [f64::NEG_INFINITY, f64::INFINITY])
     }
 
-    /// The largest impulse that it bears, by its row among others [N m s or N s].
-    pub fn most(&self, rows: &Rows, row: usize) -> f64 {
-        (2.0 * self.work / rows.square[(row, row)]).sqrt()
-    }
-
-    /// Whether it gives way to an impulse, by its row among others.
-    pub fn slips(&self, rows: &Rows, row: usize, impulse: f64) -> bool {
-        let bears = impulse.abs() < REACHED * self.most(rows, row);
-        !bears
+    /// Whether it bears an impulse, by its row among others.
+    pub fn bears(&self, rows: &Rows, row: usize, impulse: f64) -> bool {
+        self.slide(rows, row, impulse) < self.most
     }
 
     /// The slide that is left out for an impulse, by its row among others (rad or m).

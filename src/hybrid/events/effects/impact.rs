@@ -144,7 +144,7 @@ pub fn collide(
     };
     let first = before.len() - brakes.len();
     let borne = || brakes.iter().zip(first..).map(|(brake, row)| (brake, row, found.impulses[row]));
-    let bears = |(brake, row, impulse): (&Brake, usize, f64)| (!brake.slips(&rows, row, impulse)).then_some(*brake);
+    let bears = |(brake, row, impulse): (&Brake, usize, f64)| brake.bears(&rows, row, impulse).then_some(*brake);
     let held: Vec<Brake> = borne().filter_map(bears).collect();
     if held.len() < brakes.len() {
         return collide(scene, state, meetings, &held);
