@@ -219,3 +219,95 @@ fn a_limit_lets_go_of_an_arm_at_its_instant_though_its_force_rings_through_zero_
         assert!(releases.len() == 1 && (releases[0] - 0.8301).abs() < 1e-3, "{tolerance:e} m: {releases:?}");
     }
 }
+
+#[test]
+fn hard_dampers_leave_rates_within_the_tolerance_in_a_second_and_ask_for_no_short_steps() {
+    // A slide along x and a hinge about x behind it, with time constants of 2e-6 s and 4e-8 s, and springs that they creep to. Masses in kg, places in m.
+    let link = |name: &str, mass: f64, below: f64, inertia: f64| {
+        format!(
+            "<link name='{name}'><inertial><origin xyz='0 0 -{below}'/><mass value='{mass}'/>\
+             <inertia ixx='{inertia}' iyy='{inertia}' izz='{inertia}' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+        )
+    };
+    let joint = |number: usize, kind: &str, damping: f64| {
+        format!(
+            "<joint name='j{number}' type='{kind}'><parent link='l{}'/><child link='l{number}'/><axis xyz='1 0 0'/>\
+             <limit lower='-9' upper='9' effort='9' velocity='9'/><dynamics damping='{damping}'/></joint>",
+            number - 1
+        )
+    };
+    let ([slide, hinge], mass, below) = ([1.38e6, 3.73e6], 1.9, 0.23);
+    let robot = [
+        "<link name='l0'/>".to_string(),
+        link("l1", 0.47, 0.12, 0.003),
+        link("l2", mass, below, 0.05),
+        joint(1, "prismatic", slide),
+        joint(2, "revolute", hinge),
+    ];
+    let text = "[[robot]]\nurdf = \"robot.urdf\"\npositions = { j1 = -0.46, j2 = 0.2 }\n\
+                [[spring]]\njoint = \"j1\"\nstiffness = 1670\nrest = -0.84\n[[spring]]\njoint = \"j2\"\nstiffness = 9.4e5\nrest = 0.4\n";
+    let file = scene_of("hard_dampers_creep_to_springs", &robot.concat(), text);
+    for tolerance in [1e-2, 1e-3, 1e-4, 1e-6] {
+        let ended = report(&file, &[], &[], Some(0.5), tolerance);
+        let [(one, its), (other, rate)] = ["j1", "j2"].map(|name| crate::scene_files::joint(&ended, name));
+        // Nothing accelerates.
+        let expected = (9.4e5 * (0.4 - other) - mass * 9.81 * below * other.sin()) / hinge;
+        let off = (rate - expected).abs().max((its - 1670.0 * (-0.84 - one) / slide).abs());
+        println!("{tolerance:e}: {} steps, rates off by {off:e}", ended.steps);
+        // Over a million steps at the finer three, and rates off by 0.1 rad/s at the first.
+        assert!(ended.steps <= 200 && off <= tolerance, "{tolerance:e} m: {} steps, off by {off:e}", ended.steps);
+        assert!(ended.warnings.is_empty(), "{tolerance:e} m: {:?}", ended.warnings);
+    }
+}
+
+#[test]
+fn sliders_behind_each_other_slip_stop_and_turn_at_their_instants_beside_damped_ones() {
+    // Each row: mass (kg), stiffness (N/m), damping (N s/m), friction (N) and start (m) of sliders along x, each on the one before.
+    let rows: [&[[f64; 5]]; 3] = [
+        // The second stops at 0.44 s and slips at 0.495 s.
+        &[
+            [0.237, 41.32, 15.96, 0.4197, 0.246],
+            [0.431, 13.48, 0.362, 0.2475, -0.157],
+            [2.403, 6.884, 0.0, 0.2894, -0.023],
+        ],
+        // The first turns within the transient of the second.
+        &[[3.0, 28.84, 1.776, 0.4265, 0.103], [6.166, 44.17, 115.2, 0.3596, -0.226]],
+        // The second stops at 0.539 s, in the middle of a long step, and slips 3 ms later.
+        &[
+            [0.393, 3211.0, 1487.0, 0.0, 0.212],
+            [0.509, 61.96, 8.552, 0.4278, -0.217],
+            [0.603, 5917.0, 0.0, 202.6, 0.139],
+        ],
+    ];
+    for (row, sliders) in rows.into_iter().enumerate() {
+        let mut robot = "<link name='l0'/>".to_string();
+        let (mut places, mut springs) = (String::new(), String::new());
+        for (before, [mass, stiffness, damping, friction, start]) in sliders.iter().enumerate() {
+            let number = before + 1;
+            write!(
+                robot,
+                "<link name='l{number}'><inertial><mass value='{mass}'/>\
+                 <inertia ixx='0.01' iyy='0.01' izz='0.01' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+                 <joint name='j{number}' type='prismatic'><parent link='l{before}'/><child link='l{number}'/><axis xyz='1 0 0'/>\
+                 <limit lower='-9' upper='9' effort='9' velocity='9'/><dynamics damping='{damping}' friction='{friction}'/></joint>"
+            )
+            .expect("text");
+            write!(places, "j{number} = {start}, ").expect("text");
+            write!(springs, "[[spring]]\njoint = \"j{number}\"\nstiffness = {stiffness}\nrest = 0\n").expect("text");
+        }
+        let text = format!("[[robot]]\nurdf = \"robot.urdf\"\npositions = {{ {places} }}\n{springs}");
+        let file = scene_of(&format!("hard_dampers_sliders_{row}"), &robot, &text);
+        // Five stages in steps of 0.1 ms, which no transient here is shorter than.
+        let model = Model::load(&file).expect("a model");
+        let mut literal = Simulation::new(&model).fixed(5, 1e-4).duration(1.0);
+        literal.run().expect("a run");
+        let literal = literal.finish().expect("a report");
+        for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8] {
+            let ended = report(&file, &[], &[], Some(1.0), tolerance);
+            let off = apart(&ended, &literal);
+            println!("row {row}, {tolerance:e}: {} steps, off {off:e} m", ended.steps);
+            // 2e-5 to 9e-5 m at 1e-6 or 1e-5 m.
+            assert!(off <= tolerance, "row {row}, {tolerance:e} m: off {off:e} m");
+        }
+    }
+}

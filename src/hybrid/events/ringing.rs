@@ -1,13 +1,16 @@
 //! Sign changes that are no events: rates and efforts ring where hard dampers hold joints.
 //!
 //! ```text
-//!     c Y h > 10:    the transient of a joint that moves is shorter than the step h, and the scheme keeps it as an oscillation
-//!     S = {moving joints with hard dampers} ∪ {held joints},     D f = −a_S,     q̇_s = q̇ − f / c,     λ_s = f
+//!     c Y h > 40:    the scheme keeps the transient of a joint that moves as an oscillation
+//!     S = {moving joints with hard dampers} ∪ {held joints}
+//!     D f = −a_S,    q̇_s = q̇ − f / c                     the transient is over, and nothing in S accelerates
+//!     D g = q̈_s − a_S,    q̇_t = q̇ − g / c,    λ_t = g    and what moves slowly goes on to do so, q̈_s = dq̇_s/dt
 //! ```
 //!
-//! c is the damping of a joint by its own damper and motors [N m s/rad], Y its mobility [1/(kg m²)], a the accelerations under all efforts except at
-//! held joints, and D = W Y Wᵀ the mobility of S. q̇_s are the rates and λ_s the efforts of held joints [N m] once the transient is over. A joint whose q̇_s
-//! goes on, or whose λ_s holds it, from there to the end of the step, has no event where q̇ or λ are zero: it would stop and slip, or part from its limit and meet it, in step after step.
+//! c is the damping of a joint by its own damper and motors [N m s/rad], Y its mobility [1/(kg m²)], h the length of the step (s), a the accelerations under all
+//! efforts except at held joints, and D = W Y Wᵀ the mobility of S. q̇_t are the rates and λ_t the efforts of held joints [N m] without the transient. h c Y is compared with
+//! 2 s (s − 1) of s = 5 stages ([`crate::stepping::watching::watch`]). A joint whose q̇_t
+//! goes on, or whose λ_t holds it, from there to the end of the step, has no event where q̇ or λ are zero: it would stop and slip, or part from its limit and meet it, in step after step.
 //! f changes its sign within the step where rates ring, and keeps it where a slow motion lags behind. Trees without contacts are looked at.
 
 use crate::events::finding::watched::Watched;
@@ -16,10 +19,10 @@ use crate::events::modes::instants::Inside;
 use crate::events::modes::mode::{JointMode, MotorMode};
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::Inputs;
-use nalgebra::DVector;
+use nalgebra::{Cholesky, DVector, Dyn};
 
 /// Steps over the time constant of a hard damper.
-const HARD: f64 = 10.0;
+const HARD: f64 = 40.0;
 
 /// Instants of a step at which it is looked for what rings.
 const SAMPLES: usize = 9;
@@ -28,6 +31,16 @@ const SAMPLES: usize = 9;
 struct Member {
     freedom: usize,
     damping: Option<f64>,
+}
+
+/// What members do once the transient is over.
+struct Settled {
+    /// q̇_s, zero of those that are held [rad/s, m/s].
+    rates: DVector<f64>,
+    /// f [N m or N].
+    forces: DVector<f64>,
+    /// D, factorised.
+    mobility: Cholesky<f64, Dyn>,
 }
 
 impl Eventful {
@@ -41,38 +54,36 @@ impl Eventful {
         }
         let length = self.workspaces.active().small.time - since;
         let members = self.members(time, length);
-        let Some(forces) = self.settled(inputs, since, time, &members) else { return false };
         let joint = &self.model.elements.joints[index];
         let (own, (low, high)) = (joint.coordinate.freedom, self.mode.joints[index].holding(joint));
+        let mode = self.mode.joints[index];
         let Some(place) = members.iter().position(|member| member.freedom == own) else { return false };
-        let (mode, damping) = (self.mode.joints[index], members[place].damping);
-        let goes_on = |forces: &DVector<f64>, rate: f64| match (watched, mode, damping) {
-            (Watched::Slide(_), JointMode::Free { sliding }, Some(damping)) => {
-                f64::from(sliding) * (rate - forces[place] / damping) > 0.0
-            }
-            (Watched::Bears(_, Side::Lower), _, None) => forces[place] > low,
-            (Watched::Bears(_, Side::Upper), _, None) => forces[place] < high,
-            _ => false,
-        };
-        if !goes_on(&forces, self.trial.sample.velocity[own]) {
+        let spacing = length / (SAMPLES - 1) as f64;
+        let samples: Option<Vec<Settled>> =
+            (0..SAMPLES).map(|sample| self.settled(inputs, since, since + spacing * sample as f64, &members)).collect();
+        let (Some(samples), Some(there)) = (samples, self.settled(inputs, since, time, &members)) else {
             return false;
-        }
-        // A slow motion lags behind its settled rates with one sign.
-        let turns = |there: &DVector<f64>| {
-            let pairs = members.iter().zip(forces.iter().zip(there));
-            pairs.into_iter().any(|(member, (force, there))| member.damping.is_some() && force * there < 0.0)
         };
-        let mut turned = false;
-        for sample in 0..SAMPLES {
-            let at = since + length * sample as f64 / (SAMPLES - 1) as f64;
-            let Some(there) = self.settled(inputs, since, at, &members) else { continue };
-            // It does not go on to the end of the step.
-            if at > time && !goes_on(&there, self.trial.sample.velocity[own]) {
-                return false;
+        // Whether it goes on, between or beside these two samples.
+        let goes_on = |Settled { rates, forces, mobility }: &Settled, [before, after]: [usize; 2]| {
+            let apart = spacing * (after - before) as f64;
+            let slow = mobility.solve(&((&samples[after].rates - &samples[before].rates) / apart));
+            match (watched, mode, members[place].damping) {
+                (Watched::Slide(_), JointMode::Free { sliding }, Some(damping)) => {
+                    f64::from(sliding) * (rates[place] - slow[place] / damping) > 0.0
+                }
+                (Watched::Bears(_, Side::Lower), _, None) => forces[place] + slow[place] > low,
+                (Watched::Bears(_, Side::Upper), _, None) => forces[place] + slow[place] < high,
+                _ => false,
             }
-            turned |= turns(&there);
-        }
-        turned
+        };
+        let next = (((time - since) / spacing) as usize + 1).min(SAMPLES - 1);
+        let goes_on = goes_on(&there, [next - 1, next])
+            && (next..SAMPLES).all(|sample| goes_on(&samples[sample], [sample - 1, (sample + 1).min(SAMPLES - 1)]));
+        // A slow motion lags behind its settled rates with one sign.
+        let mut damped = (0..members.len()).filter(|&member| members[member].damping.is_some());
+        let turns = |member| samples.iter().any(|sample| sample.forces[member] * there.forces[member] < 0.0);
+        goes_on && damped.any(turns)
     }
 
     /// S at a time (s) in a step of this length (s); empty if no damper is hard.
@@ -99,8 +110,8 @@ impl Eventful {
         members
     }
 
-    /// f of these members at a time (s) in a step from `since` [N m or N]; `None` if there are none, or D is singular.
-    fn settled(&mut self, inputs: Inputs, since: f64, time: f64, members: &[Member]) -> Option<DVector<f64>> {
+    /// What these members do at a time (s) in a step from `since` once the transient is over; `None` if there are none, or D is singular.
+    fn settled(&mut self, inputs: Inputs, since: f64, time: f64, members: &[Member]) -> Option<Settled> {
         if members.is_empty() {
             return None;
         }
@@ -113,7 +124,12 @@ impl Eventful {
         let freedoms: Vec<usize> = members.iter().map(|member| member.freedom).collect();
         let (_, square) = response.matrix(state, &freedoms);
         let wanted = DVector::from_iterator(freedoms.len(), freedoms.iter().map(|&freedom| -accelerations[freedom]));
-        square.cholesky().map(|factor| factor.solve(&wanted))
+        let mobility = square.cholesky()?;
+        let forces = mobility.solve(&wanted);
+        let rates = members.iter().zip(forces.iter()).map(|(member, force)| {
+            member.damping.map_or(0.0, |damping| state.velocity[member.freedom] - force / damping)
+        });
+        Some(Settled { rates: DVector::from_iterator(members.len(), rates), forces, mobility })
     }
 
     /// The freedoms that dampers or motors within their bounds damp, with c [N m s/rad or N s/m].

@@ -203,7 +203,9 @@ impl Eventful {
     /// Whether something strikes at the end of the step while rates may have a part of a transient that hard dampers have stopped: the impact would carry
     /// it on into the motion.
     fn strikes_in_transient(&self, triggers: &[Watched]) -> bool {
-        let strikes = |trigger: &Watched| matches!(trigger, Watched::Gap(..) | Watched::Approach(..));
+        let strikes = |trigger: &Watched| {
+            matches!(trigger, Watched::Gap(..) | Watched::Approach(..) | Watched::Slide(..) | Watched::Bears(..))
+        };
         triggers.iter().any(strikes)
             && self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.leaves_transient())
     }

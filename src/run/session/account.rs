@@ -190,7 +190,7 @@ impl Begun {
         let of_method: Vec<String> = of_accuracy
             .into_iter()
             .chain(MethodReport::warning(&method))
-            .chain(balance_warning(&method, &summary))
+            .chain(balance_warning(&method, &summary, account.far.as_ref()))
             .chain(step_error.and_then(|error| error.warning(&method)))
             .chain(accuracy.as_ref().and_then(AccuracyReport::energy_warning))
             .chain(ringing_warning(&method))

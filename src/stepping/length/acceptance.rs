@@ -25,6 +25,9 @@ const NEGLIGIBLE: f64 = 0.1;
 /// This does not hold for this number of steps after one that changed the energy too much.
 const WARY: usize = 20;
 
+/// For this number of steps the iteration goes on to rounding after a step with dampers that changed the energy too much.
+const POLISHED: usize = 20;
+
 /// An E of some roundings: the step is too short for anything to be seen of its shape.
 const FLAT: f64 = 1e-14;
 
@@ -64,13 +67,21 @@ impl Control {
                         return self.shorten(step, error, smoothest);
                     }
                 }
+                let kinetic = self.memory.kinetic;
                 let by_energy = energies.map_or(Ok(f64::INFINITY), |energies| self.heed(energies, step, error));
                 match by_energy {
                     Ok(by_energy) => {
                         self.largest = self.largest.max(error);
                         self.go_on(step, error, iterations, by_energy, REPRESENTED / turn)
                     }
+                    Err(_) if self.memory.polished == 0 && energies.is_some_and(|energies| energies.damping > 0.0) => {
+                        self.memory.polished = POLISHED;
+                        (self.memory.kinetic, self.memory.refused) = (kinetic, None);
+                        self.memory.step = step;
+                        return Decision::Retry { guess: Guess::Longer(step), why: Rejected::EnergyJump };
+                    }
                     Err(by_energy) => {
+                        self.memory.polished = self.memory.polished.min(1) * POLISHED;
                         self.retry(step * by_energy.exp().clamp(0.2, 0.9));
                         self.memory.wary = WARY;
                         // It may have found another motion, behind a singular position.
@@ -118,7 +129,10 @@ impl Control {
         let stored = pull + 0.5 * stiffness * self.tolerance;
         let share = ENERGY_SHARE * self.tolerance * (self.memory.kinetic + stored);
         // At rest this share is a part of roundings.
-        let allowed = share.max(unseen(energies.pushes));
+        let seen = share.max(unseen(energies.pushes));
+        // What rates by the tolerance in a second take from dampers: roundings of places leave rates, too.
+        let dragged = energies.damping * self.tolerance.powi(2) * step;
+        let allowed = if self.memory.polished > 0 { seen.max(dragged) } else { seen };
         // The change by rounding does not fall with the step.
         let change = (energies.change.abs() - rounding).max(0.0);
         // At rest the allowed change is zero, and so is the change.
@@ -126,6 +140,7 @@ impl Control {
             let order = (2 * self.stages - 1) as f64;
             by_energy = CAUTION.ln() + (allowed / change).ln() / order;
         }
+        self.memory.ringing = if change > seen { energies.change } else { 0.0 };
         let refused = change > allowed && !self.is_rounding(step, error, change + rounding);
         if refused { Err(by_energy) } else { Ok(by_energy) }
     }
@@ -142,6 +157,7 @@ impl Control {
         memory.rejected = false;
         (memory.halvings, memory.too_long, memory.broken_off) = (0, 0, 0);
         memory.wary = memory.wary.saturating_sub(1);
+        memory.polished = memory.polished.saturating_sub(1);
         memory.previous = Some(error);
         (memory.refused, memory.unresolved, memory.smoothest, memory.kink) = (None, None, None, Kink::Unseen);
         memory.rounding *= FORGOTTEN;
@@ -194,6 +210,7 @@ impl Control {
 mod tests {
     use super::*;
     use crate::integrator::Lobatto;
+    use crate::length::control::FINEST_STOP;
     use crate::length::stage_choice::StageChoice;
     use catena_mechanism::description::joint::{Joint, JointKind, Pose};
     use catena_mechanism::description::mechanism::{Body, Mechanism};
@@ -245,7 +262,8 @@ mod tests {
         let (wanted, limit) = (control.wanted, control.limit);
         assert!(control.is_likely_kept(limit) && !control.is_likely_kept(1.01 * limit));
         let solved = Attempt::Converged { iterations: 5, legendre: wanted, turn: 0.0, exact: false };
-        let energies = Energies { change: 1.0, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
+        let energies =
+            Energies { change: 1.0, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0, damping: 0.0 };
         assert!(matches!(control.judge(&solved, Some(energies), 0.1, Guess::Past), Decision::Retry { .. }));
         assert!(control.is_likely_kept(0.4 * wanted) && !control.is_likely_kept(wanted));
     }
@@ -255,7 +273,7 @@ mod tests {
         let mut control = control();
         let solved = Attempt::Converged { iterations: 5, legendre: 1e-9, turn: 0.0, exact: false };
         let mut decision = |change, kinetic| {
-            let energies = Energies { change, kinetic, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
+            let energies = Energies { change, kinetic, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0, damping: 0.0 };
             control.judge(&solved, Some(energies), 0.1, Guess::Past)
         };
         let refused = Decision::Retry { guess: Guess::Past, why: Rejected::EnergyJump };
@@ -274,7 +292,7 @@ mod tests {
     fn where_nothing_moves_a_step_may_change_the_energy_by_what_forces_do_over_roundings_of_places() {
         let solved = Attempt::Converged { iterations: 5, legendre: 1e-9, turn: 0.0, exact: true };
         let is_kept = |change, pushes| {
-            let energies = Energies { change, kinetic: 1e-20, potential: 0.0, pull: (0.0, 0.0), pushes };
+            let energies = Energies { change, kinetic: 1e-20, potential: 0.0, pull: (0.0, 0.0), pushes, damping: 0.0 };
             control().judge(&solved, Some(energies), 0.1, Guess::Past) == Decision::Accept
         };
         // 7 N over 1e-13 m.
@@ -291,7 +309,8 @@ mod tests {
                 let legendre = large * limit;
                 let solved = Attempt::Converged { iterations: 5, legendre, turn: 0.0, exact: false };
                 let broken_off = Attempt::Inaccurate { iterations: 4, legendre };
-                let energies = Energies { change, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
+                let energies =
+                    Energies { change, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0, damping: 0.0 };
                 let decision = if large <= 2.0 {
                     control.judge(&solved, Some(energies), step, Guess::Past)
                 } else {
@@ -324,12 +343,39 @@ mod tests {
         let judge = |control: &mut Control, step, legendre| {
             let solved = Attempt::Converged { iterations: 5, legendre, turn: 0.0, exact: false };
             // Ten times the allowed change of a step, and no more than roundings.
-            let energies = Energies { change: 3e-7, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0 };
+            let energies =
+                Energies { change: 3e-7, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0, damping: 0.0 };
             control.judge(&solved, Some(energies), step, Guess::Past) == Decision::Accept
         };
         let tight = || Control { tolerance: 1e-6, ..control() };
         let mut shape = tight();
         assert!([0.1, 0.06, 0.04].map(|step| judge(&mut shape, step, 1e-9)) == [false, false, true]);
         assert!(judge(&mut tight(), 0.1, 1e-15));
+    }
+
+    #[test]
+    fn a_step_with_dampers_that_changes_the_energy_too_much_is_solved_to_rounding_before_it_is_made_shorter() {
+        let mut control = control();
+        let solved = Attempt::Converged { iterations: 5, legendre: 1e-9, turn: 0.0, exact: false };
+        let judge = |control: &mut Control, change, step, damping| {
+            let energies = Energies { change, kinetic: 1.0, potential: 1.0, pull: (0.0, 0.0), pushes: 0.0, damping };
+            control.judge(&solved, Some(energies), step, Guess::Past)
+        };
+        let again = |guess| Decision::Retry { guess, why: Rejected::EnergyJump };
+        // The stop of this control is 1e-7. 3e-5 of the kinetic energy is allowed.
+        assert!(control.rule().increment == 1e-7);
+        assert_eq!(judge(&mut control, 1e-3, 0.1, 1.0), again(Guess::Longer(0.1)));
+        assert!(control.rule().increment == FINEST_STOP && control.step() == 0.1);
+        // Solved to rounding, it is truncation, and the step too long.
+        assert_eq!(judge(&mut control, 1e-3, 0.1, 1.0), again(Guess::Past));
+        assert!(control.step() < 0.1 && control.rule().increment == FINEST_STOP);
+        assert_eq!(judge(&mut control, 1e-6, 0.05, 1.0), Decision::Accept);
+        assert_eq!(control.memory.ringing, 0.0);
+        // Rates of 1e-3 in a second take 0.05 J from a damper of 1e6 N s/m in 0.05 s: these are no energy of the motion.
+        assert_eq!(judge(&mut control, 0.04, 0.05, 1e6), Decision::Accept);
+        assert_eq!(control.memory.ringing, 0.04);
+        assert_eq!(judge(&mut control, 0.06, 0.05, 1e6), again(Guess::Past));
+        // Springs alone get a shorter step at once.
+        assert_eq!(judge(&mut self::control(), 1e-3, 0.1, 0.0), again(Guess::Past));
     }
 }

@@ -14,7 +14,8 @@
 //! is a finished one that changes the energy by more than its share of the tolerance. A step near that share does not grow, unless `E` is so small
 //! that the change can only come from the iteration, which does not grow with the step. The energy shows errors that the polynomials do not, such as
 //! a passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster seldom has done
-//! so once. The polynomial of an attempt with too large an E is the guess of the next one ([`catena_lobatto::stages::predictor`]). If E does not fall
+//! so once. Steps in which dampers stop a motion, and steps with dampers that change the energy too much, are iterated to rounding: the rates that an
+//! iteration leaves beside a hard damper do not fall with the step. The polynomial of an attempt with too large an E is the guess of the next one ([`catena_lobatto::stages::predictor`]). If E does not fall
 //! with the step, the motion has a kink, and the energy alone decides. Whatever these say, a step stays within the limit of stability, and a motion
 //! that hard dampers are about to stop is stopped in short ones ([`crate::watching::watch`]).
 //!
@@ -22,6 +23,7 @@
 //! method costs ten times as much, and is tried after some halvings only. A mechanism with forces tries it at once, because a stiff spring would
 //! require shorter steps all along.
 
+use crate::length::companion::STOPPED;
 use crate::length::stage_choice::StageChoice;
 use crate::length::stepper::Stepper;
 use crate::length::stride::Stride;
@@ -55,6 +57,10 @@ const BETWEEN: [(usize, f64, f64); 3] = [(3, 1.0, 1.5), (5, 0.25, 1.5), (9, 0.35
 const BETWEEN_SHARE: f64 = 0.5;
 /// Below this tolerance (m) the bound does not shrink, because rounding is larger.
 const FINEST_TOLERANCE: f64 = 1e-11;
+
+/// The finest stop (rad, m) for dampers, and increments that are rounding where they stay below it.
+pub(crate) const FINEST_STOP: f64 = 1e-15;
+const ROUNDED: f64 = 1e-13;
 
 /// Only steps whose E is above this part of the largest so far are evaluated inside: the error of interpolation grows with E.
 const AMONG_LARGEST: f64 = 0.5;
@@ -155,6 +161,10 @@ pub struct Memory {
     pub broken_off: usize,
     /// Observed change of the energy by rounding alone (J).
     pub rounding: f64,
+    /// For how many steps the iteration goes on to rounding: what it leaves are rates that dampers take energy from.
+    pub polished: usize,
+    /// The change of the energy in the last attempt by rates of roundings, which dampers do not take (J).
+    pub ringing: f64,
     /// Whether an attempt at the present step was thrown away, and the next one was not as long.
     pub rejected: bool,
     /// For how many steps small changes of the energy are taken for the steps' own, whatever E says.
@@ -251,10 +261,11 @@ impl Control {
 
     /// The same with another stop.
     fn rule_at(&self, stop: f64) -> StopRule {
-        let increment = stop.max(1e-16);
+        let polished = self.memory.polished > 0;
+        let increment = if polished { FINEST_STOP } else { stop.max(1e-16) };
         StopRule {
             increment,
-            rounding: increment.max(1e-11),
+            rounding: increment.max(if polished { ROUNDED } else { 1e-11 }),
             unproven: f64::INFINITY,
             iterations: 40,
             legendre: if self.memory.kink == Kink::Seen { KINK * self.limit } else { self.limit },
@@ -265,6 +276,15 @@ impl Control {
             rough: self.memory.too_long < HASTE,
             exactly: self.memory.halvings >= self.patience,
         }
+    }
+
+    /// The same rule for a step of some length (s), to rounding where dampers stop a motion within it, at the rate γ: an iteration that leaves δ of a
+    /// displacement leaves a rate of up to γ δ at the end of the step, and the scheme carries it on into the next ones.
+    pub(crate) fn for_dampers(&self, rule: StopRule, stepper: &Stepper, length: f64) -> StopRule {
+        if length * stepper.watch.hardest() <= STOPPED || rule.increment <= FINEST_STOP {
+            return rule;
+        }
+        StopRule { increment: FINEST_STOP, rounding: ROUNDED, ..rule }
     }
 
     /// The same for a step that a given instant ends early.
@@ -331,13 +351,15 @@ impl Control {
         let mut until = if resolved < longest { state.time + resolved } else { until };
         loop {
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.memory.step);
-            let attempt = stepper.attempt(mechanism, inputs, state, length, &self.rule_for(length), guess);
+            let rule = self.rule_for(length);
+            let attempt =
+                stepper.attempt(mechanism, inputs, state, length, &self.for_dampers(rule, stepper, length), guess);
             outcome.cost.iterations += attempt.iterations();
             let energies = match attempt {
                 Attempt::Converged { exact, legendre, .. } => {
                     outcome.exact = exact;
                     if let Some(companion) = &mut stepper.companion {
-                        companion.see(length, legendre, self.limit, self.wanted, self.stop);
+                        companion.see(length, legendre, self.limit, [self.wanted, self.stop], rule.increment);
                     }
                     Some(if !exact && self.is_likely_kept(legendre) {
                         stepper.finish_both(mechanism, state, end)
@@ -365,6 +387,7 @@ impl Control {
             match decision {
                 Decision::Accept => {
                     stepper.accept(mechanism, state, length, end, &mut outcome)?;
+                    outcome.exchange.dissipated -= self.memory.ringing;
                     self.memory.plainly = if misled { PLAINLY } else { self.memory.plainly.saturating_sub(1) };
                     if let Attempt::Converged { legendre, .. } = attempt {
                         self.look_inside(stepper, mechanism, legendre);

@@ -18,6 +18,8 @@ pub struct Energies {
     /// Sum of the sizes of all forces on a mechanism with closures [N or N m]; zero without closures, because the joints of trees hold to rounding
     /// whatever the iteration leaves.
     pub pushes: f64,
+    /// Sum of the coefficients of joint dampers [N m s/rad or N s/m].
+    pub damping: f64,
 }
 
 /// Sums of the efforts of joint springs in a state, and of their stiffness.

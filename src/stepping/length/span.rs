@@ -45,7 +45,14 @@ impl Control {
         }
         self.memory.step = length;
         let guess = stepper.first_guess();
-        let attempt = stepper.attempt(mechanism, inputs, state, length, &self.bounded_rule(), guess);
+        let attempt = stepper.attempt(
+            mechanism,
+            inputs,
+            state,
+            length,
+            &self.for_dampers(self.bounded_rule(), stepper, length),
+            guess,
+        );
         let Attempt::Converged { exact, legendre, .. } = attempt else {
             self.forget();
             let mut cost = Cost::of(attempt.iterations());
@@ -70,6 +77,7 @@ impl Control {
             }
             Decision::Accept => {
                 let accepted = stepper.keep(mechanism, state, length, until, &mut outcome);
+                outcome.exchange.dissipated -= self.memory.ringing;
                 accepted.is_err().then_some(Rejected::NotConverged)
             }
         };

@@ -255,6 +255,7 @@ impl Stepper {
             kinetic: after.kinetic,
             potential: after.potential.abs() + after.spring + after.load.abs(),
             pull: if mechanism.forces.driven { pull(mechanism, &self.end) } else { (0.0, 0.0) },
+            damping: mechanism.forces.joint_dampers.iter().map(|damper| damper.coefficient).sum(),
             pushes: if mechanism.has_closures() { self.outside.pushes.with(after.spring, self.efforts) } else { 0.0 },
         }
     }

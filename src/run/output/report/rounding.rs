@@ -75,8 +75,13 @@ pub(super) fn displaced(summary: &Summary, wanted: f64) -> f64 {
     DISPLACED * wanted * summary.pulled
 }
 
-/// The warning of an energy that does not balance, or whose balance is unknown.
-pub(crate) fn balance_warning(description: &MethodDescription, summary: &Summary) -> Option<String> {
+/// The warning of an energy that does not balance, or whose balance is unknown. Springs that store far more than a motion that creeps has hide it, and
+/// nobody can do anything about that, unless an end of one is far away.
+pub(crate) fn balance_warning(
+    description: &MethodDescription,
+    summary: &Summary,
+    far: Option<&FarSpring>,
+) -> Option<String> {
     let error = summary.max_relative_energy_error;
     if error > COARSE && is_energy_rounding(summary) {
         let (stored, kinetic) = (summary.initial_energy.total(), rounded(summary.largest_kinetic));
@@ -87,9 +92,10 @@ pub(crate) fn balance_warning(description: &MethodDescription, summary: &Summary
                 rounded(summary.pushes)
             ));
         }
+        let FarSpring { name, distance } = far?;
         return Some(format!(
             "rounding of the total energy, {stored:.1e} J, hides that of the motion, {kinetic} J: the energy balance says nothing of this run; \
-             move the far ends of springs nearer"
+             move the far end of spring {name:?} nearer, which is {distance:.1e} m long"
         ));
     }
     let is_displaced = |wanted: f64| summary.max_energy_error <= displaced(summary, wanted);
