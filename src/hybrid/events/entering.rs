@@ -37,6 +37,7 @@ impl Eventful {
     /// Finds or makes the reduced mechanism of the mode, and its watched functions.
     pub(super) fn enter(&mut self, state: &mut State) {
         self.look_around(state);
+        self.progress.entered = state.time;
         let Eventful {
             model: HybridModel { whole, elements, touching, .. },
             workspaces: Workspaces { response, .. },

@@ -3,15 +3,16 @@
 //! ```text
 //!     c Y h > 40:    the scheme keeps the transient of a joint that moves as an oscillation
 //!     S = {moving joints with hard dampers} ∪ {held joints}
-//!     D f = −a_S,    q̇_s = q̇ − f / c                     the transient is over, and nothing in S accelerates
-//!     D g = q̈_s − a_S,    q̇_t = q̇ − g / c,    λ_t = g    and what moves slowly goes on to do so, q̈_s = dq̇_s/dt
+//!     D f = −a_S,    q̇_s = q̇ − f / c                     the transient is over, and S does not accelerate
+//!     D g = q̈_s − a_S,    q̇_t = q̇ − g / c,    λ_t = g    and a slow motion goes on, q̈_s = dq̇_s/dt
 //! ```
 //!
-//! c is the damping of a joint by its own damper and motors [N m s/rad], Y its mobility [1/(kg m²)], h the length of the step (s), a the accelerations under all
-//! efforts except at held joints, and D = W Y Wᵀ the mobility of S. q̇_t are the rates and λ_t the efforts of held joints [N m] without the transient. h c Y is compared with
-//! 2 s (s − 1) of s = 5 stages ([`crate::stepping::watching::watch`]). A joint whose q̇_t
-//! goes on, or whose λ_t holds it, from there to the end of the step, has no event where q̇ or λ are zero: it would stop and slip, or part from its limit and meet it, in step after step.
-//! f changes its sign within the step where rates ring, and keeps it where a slow motion lags behind. Trees without contacts are looked at.
+//! c is the damping of a joint by its own damper and motors [N m s/rad], Y its mobility [1/(kg m²)], h the length of the step (s), a the accelerations
+//! under all efforts except at held joints, and D = W Y Wᵀ the mobility of S. q̇_t are the rates and λ_t the efforts of held joints [N m] without the
+//! transient. The bound of c Y h is 2 s (s − 1) for s = 5 stages ([`crate::stepping::watching::watch`]). A joint whose q̇_t goes on, or whose λ_t holds it,
+//! from there to the end of the step, has no event where q̇ or λ are zero: it would stop and slip, or part from its limit and meet it, in step after step.
+//! f changes its sign within the step where rates ring, and keeps it where a slow motion lags behind. The first step of a mode may have a transient of the
+//! motion: a damper that gets a blow of 100 N lets friction slip. Trees without contacts are looked at.
 
 use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
@@ -33,9 +34,9 @@ struct Member {
     damping: Option<f64>,
 }
 
-/// What members do once the transient is over.
+/// The motion of members once the transient is over.
 struct Settled {
-    /// q̇_s, zero of those that are held [rad/s, m/s].
+    /// q̇_s, zero of held members [rad/s, m/s].
     rates: DVector<f64>,
     /// f [N m or N].
     forces: DVector<f64>,
@@ -64,6 +65,9 @@ impl Eventful {
         let (Some(samples), Some(there)) = (samples, self.settled(inputs, since, time, &members)) else {
             return false;
         };
+        if since == self.progress.entered && self.begins_with_a_transient(&members, &samples[0].forces) {
+            return false;
+        }
         // Whether it goes on, between or beside these two samples.
         let goes_on = |Settled { rates, forces, mobility }: &Settled, [before, after]: [usize; 2]| {
             let apart = spacing * (after - before) as f64;
@@ -84,6 +88,14 @@ impl Eventful {
         let mut damped = (0..members.len()).filter(|&member| members[member].damping.is_some());
         let turns = |member| samples.iter().any(|sample| sample.forces[member] * there.forces[member] < 0.0);
         goes_on && damped.any(turns)
+    }
+
+    /// Whether a mode begins with a transient of the motion itself, by f there: the rates differ from the slow motion by more than the tolerance in a
+    /// second. Steps of a tolerance become short enough for it.
+    fn begins_with_a_transient(&self, members: &[Member], forces: &DVector<f64>) -> bool {
+        let Some(tolerance) = self.model.recipe.tolerance() else { return false };
+        let pairs = members.iter().zip(forces.iter());
+        pairs.into_iter().any(|(member, force)| member.damping.is_some_and(|damping| force.abs() > tolerance * damping))
     }
 
     /// S at a time (s) in a step of this length (s); empty if no damper is hard.
@@ -110,7 +122,7 @@ impl Eventful {
         members
     }
 
-    /// What these members do at a time (s) in a step from `since` once the transient is over; `None` if there are none, or D is singular.
+    /// The motion of these members at a time (s) in a step from `since` once the transient is over; `None` without members, or if D is singular.
     fn settled(&mut self, inputs: Inputs, since: f64, time: f64, members: &[Member]) -> Option<Settled> {
         if members.is_empty() {
             return None;

@@ -58,9 +58,14 @@ const BETWEEN_SHARE: f64 = 0.5;
 /// Below this tolerance (m) the bound does not shrink, because rounding is larger.
 const FINEST_TOLERANCE: f64 = 1e-11;
 
-/// The finest stop (rad, m) for dampers, and increments that are rounding where they stay below it.
+/// The coarsest stop (rad, m) where dampers are hard, and increments that are rounding there if they stay below this.
 pub(crate) const FINEST_STOP: f64 = 1e-15;
 const ROUNDED: f64 = 1e-13;
+/// Increments beside them leave rates of this part of the tolerance in a second [1/s]: the error may be a hundred times as large as the last increment,
+/// because the iteration is far from normal.
+const OF_RATES: f64 = 1e-3;
+/// Increments are no finer than this times the length of the step [1/s]: roundings of displacements.
+const OF_STEP: f64 = 1e-14;
 
 /// Only steps whose E is above this part of the largest so far are evaluated inside: the error of interpolation grows with E.
 const AMONG_LARGEST: f64 = 0.5;
@@ -279,12 +284,16 @@ impl Control {
     }
 
     /// The same rule for a step of some length (s), to rounding where dampers stop a motion within it, at the rate γ: an iteration that leaves δ of a
-    /// displacement leaves a rate of up to γ δ at the end of the step, and the scheme carries it on into the next ones.
+    /// displacement leaves a rate of up to γ δ at the end of the step, and the scheme carries it on into the next ones
+    /// (doc/decisions/046-rates-beside-hard-dampers.md).
     pub(crate) fn for_dampers(&self, rule: StopRule, stepper: &Stepper, length: f64) -> StopRule {
-        if length * stepper.watch.hardest() <= STOPPED || rule.increment <= FINEST_STOP {
+        let decay = stepper.watch.hardest();
+        if length * decay <= STOPPED && self.memory.polished == 0 {
             return rule;
         }
-        StopRule { increment: FINEST_STOP, rounding: ROUNDED, ..rule }
+
+        let rounding = (OF_RATES * self.tolerance / decay).clamp(OF_STEP * length.min(1.0), ROUNDED);
+        StopRule { increment: rule.increment.min(FINEST_STOP).min(rounding), rounding, ..rule }
     }
 
     /// The same for a step that a given instant ends early.

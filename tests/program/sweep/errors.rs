@@ -4,6 +4,22 @@ use super::{HEAD, folder};
 use crate::common::command::{assert_one_error, run, text};
 
 #[test]
+fn a_file_for_another_command_and_a_table_that_occurs_once_are_named_with_what_to_write() {
+    let folder = folder("sweep_for_simulate", &format!("{HEAD}[[vary]]\nkey = \"rod.mass\"\nvalues = [1]\n"));
+    std::fs::write(folder.join("scene.toml"), "[[robot]]\nurdf = \"pendulum.urdf\"\n").unwrap();
+    std::fs::write(folder.join("contact.toml"), "[[robot]]\nurdf = \"pendulum.urdf\"\n[[contact]]\nfriction = 1\n")
+        .unwrap();
+    for (arguments, said) in [
+        (&["simulate", "sweep.toml"][..], "this file describes a sweep: use catena sweep"),
+        (&["sweep", "scene.toml", "-o", "rows"], "this file describes a scene: use catena simulate"),
+        (&["simulate", "contact.toml"], "there is only one: write [contact]"),
+    ] {
+        let output = run(&folder, arguments);
+        assert_one_error(&output, 2, said);
+    }
+}
+
+#[test]
 fn a_bad_sweep_file_is_refused_by_file_line_and_key_and_nothing_is_written() {
     let folder = folder("sweep_errors", "");
     let vary = |keys: &str| format!("{HEAD}[[vary]]\n{keys}\n");

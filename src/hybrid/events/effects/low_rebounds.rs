@@ -22,6 +22,7 @@
 //! Nor is what is not pulled back, with restitution or without: no flights bring it to rest. A link that turns over two points of its hull, 2e-6 m apart,
 //! leaves the first at 5e-6 m/s, and would be stopped by 1000 N s.
 
+use crate::events::effects::after_dampers::after_dampers;
 use crate::events::effects::brakes::Brake;
 use crate::events::effects::contacts::Contacts;
 use crate::events::effects::decision::Scene;
@@ -73,7 +74,7 @@ pub(crate) fn unseen_flight(
 }
 
 /// Meetings that leave too slowly to matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that each has while the limits and contacts at rest
-/// push. An element that is pulled back returns before it is higher than that; any other leaves as well from rest. Elements that kick each other open
+/// push, also once the transient in hard dampers is over ([`after_dampers`]). An element that is pulled back returns before it is higher than that; any other leaves as well from rest. Elements that kick each other open
 /// without end come to rest in this way. An element that parted before the impacts, by its rate `before` [m/s or rad/s], is no rebound: a corner that
 /// slides beyond a rim touches with an edge next, which leaves by the slip times the slope of the edge. A joint on its bound that parts by such a rate is
 /// stopped if its flight is lower than a rounding of its position: no step would see it return, and the next one would carry it beyond the bound.
@@ -82,7 +83,7 @@ fn too_low(
     state: &State,
     meetings: &[Meeting],
     before: &[f64],
-    efforts: &[f64],
+    efforts: &mut impl FnMut(&State) -> Vec<f64>,
     height: impl Fn(Of) -> f64,
 ) -> Vec<Low> {
     let is_rebound = |index: usize| {
@@ -99,15 +100,9 @@ fn too_low(
     if !meetings.iter().enumerate().any(leaves) {
         return Vec::new();
     }
-    let mut free = vec![0.0; state.velocity.len()];
-    scene.response.accelerations(state, efforts, &mut free);
     let rests = meetings.iter().filter(|meeting| meeting.rate(&state.velocity).abs() <= meeting.rest);
-    let normals: Vec<Row> = rests.map(|meeting| meeting.block.rows[0].clone()).collect();
-    if !normals.is_empty() {
-        let rows = Rows::new(scene.response, state, normals);
-        let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
-        rows.add(&minimise(&rows.square, &rows.rates(&free), &pushes).efforts, &mut free);
-    }
+    let rests: Vec<Row> = rests.map(|meeting| meeting.block.rows[0].clone()).collect();
+    let free = pushed(scene, state, &efforts(state), &rests);
     let mut low = Vec::new();
     for (index, meeting) in meetings.iter().enumerate() {
         let (rate, gains) = (meeting.rate(&state.velocity), meeting.rate(&free));
@@ -120,11 +115,30 @@ fn too_low(
             0.0
         };
         if rate > 0.0 && pull > 0.0 && rate * rate <= 2.0 * pull * most {
+            if let Some(settled) = after_dampers(scene, state, &rests, 2.0 * rate / pull) {
+                let (rate, free) =
+                    (meeting.rate(&settled.velocity), pushed(scene, &settled, &efforts(&settled), &rests));
+                if rate > meeting.rest && rate * rate > 2.0 * meeting.rate(&free).abs() * most {
+                    continue;
+                }
+            }
             let until = state.time + 2.0 * rate / (pull * (1.0 - meeting.restitution));
             low.push(Low { index, until, height: rate * rate / (2.0 * pull), returns: gains < 0.0 });
         }
     }
     low
+}
+
+/// The accelerations in a state under these efforts, while resting limits and contacts push.
+fn pushed(scene: &mut Scene, state: &State, efforts: &[f64], rests: &[Row]) -> Vec<f64> {
+    let mut free = vec![0.0; state.velocity.len()];
+    scene.response.accelerations(state, efforts, &mut free);
+    if !rests.is_empty() {
+        let rows = Rows::new(scene.response, state, rests.to_vec());
+        let pushes = vec![(0.0, f64::INFINITY); rows.square.nrows()];
+        rows.add(&minimise(&rows.square, &rows.rates(&free), &pushes).efforts, &mut free);
+    }
+    free
 }
 
 /// Brings to rest what leaves too slowly to matter after an impact on all meetings, which had these rates before, in rounds: what is stopped may kick others
@@ -140,8 +154,7 @@ pub(crate) fn bring_low_to_rest(
 ) -> Vec<Low> {
     let mut all = Vec::new();
     for _ in 0..CALMING {
-        let known = efforts(state);
-        let low = too_low(scene, state, meetings, before, &known, &height);
+        let low = too_low(scene, state, meetings, before, &mut efforts, &height);
         let low = stop_unless_costly(scene, state, meetings, low, impulses);
         if low.is_empty() {
             break;

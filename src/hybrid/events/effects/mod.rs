@@ -1,5 +1,6 @@
 //! The effects of an event: impulses, the contacts that stay closed, and the next mode.
 
+mod after_dampers;
 pub(crate) mod blocked;
 pub(crate) mod brakes;
 pub(crate) mod contacts;

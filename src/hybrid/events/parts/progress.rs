@@ -27,6 +27,8 @@ pub(crate) struct Pass {
 pub(crate) struct Progress {
     /// When the run began (s).
     pub began: f64,
+    /// When the present mode was entered (s).
+    pub entered: f64,
     /// Whether a given instant bounds the next step, and not only the end of the run.
     pub bounded: bool,
     /// Events that may repeat, and the functions that the step does not look at.
@@ -65,6 +67,7 @@ impl Progress {
     pub fn new() -> Self {
         Progress {
             began: 0.0,
+            entered: f64::NEG_INFINITY,
             bounded: false,
             repeats: Repeats::new(),
             passes: Vec::new(),

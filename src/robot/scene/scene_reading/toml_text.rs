@@ -28,6 +28,10 @@ const PAIR: Named = ("pair", &["a", "b"], |names| match names {
     _ => None,
 });
 
+/// Tables of a scene that occur once, and tables of sweep files.
+const SINGLE: [&str; 3] = ["scene", "contact", "simulation"];
+const OF_SWEEPS: [&str; 3] = ["sweep", "vary", "keep"];
+
 /// The text of a TOML file.
 pub struct TomlText<'t> {
     pub file: &'t Path,
@@ -45,8 +49,8 @@ impl TomlText<'_> {
             let key = error.span().and_then(|span| self.key(span.start));
             // One line, whatever the file puts into it.
             let mut message = plain(&error.message().split_whitespace().collect::<Vec<_>>().join(" "));
-            if let Some(table) = key.as_ref().filter(|key| !key.contains('.') && message.ends_with("a sequence")) {
-                message = format!("{message}; there may be several: write [[{table}]]");
+            if let Some(hint) = key.as_deref().and_then(|key| self.hint(key, &message)) {
+                message = format!("{message}; {hint}");
             }
             if error.span().is_some_and(|span| begins_with_a_point(self.text, span.start)) {
                 message = format!("{message}: a number needs a digit before its point, such as -0.5");
@@ -55,6 +59,33 @@ impl TomlText<'_> {
             let problem = Box::new(Problem::Toml { key, message });
             SceneError { file: self.file.to_path_buf(), line, element, problem }
         })
+    }
+
+    /// Advice for a key at which the file could not be read, where the reason is likely.
+    fn hint(&self, key: &str, message: &str) -> Option<String> {
+        let table = key.split('.').next().unwrap_or_default();
+        if table == key && message.ends_with("a sequence") {
+            return Some(format!("there may be several: write [[{table}]]"));
+        }
+        if SINGLE.contains(&table)
+            && let Some(DeValue::Array(_)) =
+                DeTable::parse(self.text).ok()?.get_ref().get(table).map(|value| value.get_ref())
+        {
+            return Some(format!("there is only one: write [{table}]"));
+        }
+        let is_scene = |name: &str| SINGLE.contains(&name) || NAMED.iter().any(|named| named.0 == name);
+        let unknown = table == key && message.starts_with("unknown field");
+        let expected = |name: &str| message.contains(&format!("`{name}`,"));
+        match unknown {
+            true if OF_SWEEPS.contains(&table) && expected("robot") => {
+                Some("this file describes a sweep: use catena sweep".to_string())
+            }
+            true if is_scene(table) && expected("sweep") => Some(
+                "this file describes a scene: use catena simulate, or write a file with [sweep] and [[vary]] for it"
+                    .to_string(),
+            ),
+            _ => None,
+        }
     }
 
     /// The line on which a span begins, counted from 1.
