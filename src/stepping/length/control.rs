@@ -285,10 +285,17 @@ impl Control {
 
     /// The same rule for a step of some length (s), to rounding where dampers stop a motion within it, at the rate γ: an iteration that leaves δ of a
     /// displacement leaves a rate of up to γ δ at the end of the step, and the scheme carries it on into the next ones
-    /// (doc/decisions/046-rates-beside-hard-dampers.md).
-    pub(crate) fn for_dampers(&self, rule: StopRule, stepper: &Stepper, length: f64) -> StopRule {
+    /// (doc/decisions/046-rates-beside-hard-dampers.md). Mechanisms with closures are solved by the exact method, to 1e-10 or less.
+    pub(crate) fn for_dampers(
+        &self,
+        rule: StopRule,
+        stepper: &Stepper,
+        mechanism: &Mechanism,
+        length: f64,
+    ) -> StopRule {
         let decay = stepper.watch.hardest();
-        if length * decay <= STOPPED && self.memory.polished == 0 {
+        let resolved = length * decay <= STOPPED && self.memory.polished == 0;
+        if resolved || mechanism.has_closures() {
             return rule;
         }
 
@@ -361,8 +368,14 @@ impl Control {
         loop {
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.memory.step);
             let rule = self.rule_for(length);
-            let attempt =
-                stepper.attempt(mechanism, inputs, state, length, &self.for_dampers(rule, stepper, length), guess);
+            let attempt = stepper.attempt(
+                mechanism,
+                inputs,
+                state,
+                length,
+                &self.for_dampers(rule, stepper, mechanism, length),
+                guess,
+            );
             outcome.cost.iterations += attempt.iterations();
             let energies = match attempt {
                 Attempt::Converged { exact, legendre, .. } => {

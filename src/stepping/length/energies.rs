@@ -18,7 +18,7 @@ pub struct Energies {
     /// Sum of the sizes of all forces on a mechanism with closures [N or N m]; zero without closures, because the joints of trees hold to rounding
     /// whatever the iteration leaves.
     pub pushes: f64,
-    /// Sum of the coefficients of joint dampers [N m s/rad or N s/m].
+    /// Sum of the coefficients of joint dampers [N m s/rad or N s/m]; zero with closures, which are solved further than trees.
     pub damping: f64,
 }
 

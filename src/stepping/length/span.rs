@@ -50,7 +50,7 @@ impl Control {
             inputs,
             state,
             length,
-            &self.for_dampers(self.bounded_rule(), stepper, length),
+            &self.for_dampers(self.bounded_rule(), stepper, mechanism, length),
             guess,
         );
         let Attempt::Converged { exact, legendre, .. } = attempt else {

@@ -250,13 +250,14 @@ impl Stepper {
 
     fn energies(&self, mechanism: &Mechanism, before: Energy, after: Energy) -> Energies {
         let exchange = self.kernel.exchange();
+        let (closed, dampers) = (mechanism.has_closures(), &mechanism.forces.joint_dampers);
         Energies {
             change: after.total() - before.total() + exchange.lost(),
             kinetic: after.kinetic,
             potential: after.potential.abs() + after.spring + after.load.abs(),
             pull: if mechanism.forces.driven { pull(mechanism, &self.end) } else { (0.0, 0.0) },
-            damping: mechanism.forces.joint_dampers.iter().map(|damper| damper.coefficient).sum(),
-            pushes: if mechanism.has_closures() { self.outside.pushes.with(after.spring, self.efforts) } else { 0.0 },
+            damping: if closed { 0.0 } else { dampers.iter().map(|damper| damper.coefficient).sum() },
+            pushes: if closed { self.outside.pushes.with(after.spring, self.efforts) } else { 0.0 },
         }
     }
 
