@@ -74,8 +74,8 @@ pub(crate) fn unseen_flight(
 }
 
 /// Meetings that leave too slowly to matter: `γ² ≤ 2 |a| · height` with the acceleration `a` that each has while the limits and contacts at rest
-/// push, also once the transient in hard dampers is over ([`after_dampers`]). An element that is pulled back returns before it is higher than that; any other leaves as well from rest. Elements that kick each other open
-/// without end come to rest in this way. An element that parted before the impacts, by its rate `before` [m/s or rad/s], is no rebound: a corner that
+/// push, also once the transient in hard dampers is over ([`after_dampers`]). An element that is pulled back returns before it is higher than that; any
+/// other leaves as well from rest. Elements that kick each other open without end come to rest in this way. An element that parted before the impacts, by its rate `before` [m/s or rad/s], is no rebound: a corner that
 /// slides beyond a rim touches with an edge next, which leaves by the slip times the slope of the edge. A joint on its bound that parts by such a rate is
 /// stopped if its flight is lower than a rounding of its position: no step would see it return, and the next one would carry it beyond the bound.
 fn too_low(

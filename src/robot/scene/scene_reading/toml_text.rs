@@ -74,18 +74,15 @@ impl TomlText<'_> {
             return Some(format!("there is only one: write [{table}]"));
         }
         let is_scene = |name: &str| SINGLE.contains(&name) || NAMED.iter().any(|named| named.0 == name);
-        let unknown = table == key && message.starts_with("unknown field");
         let expected = |name: &str| message.contains(&format!("`{name}`,"));
-        match unknown {
-            true if OF_SWEEPS.contains(&table) && expected("robot") => {
-                Some("this file describes a sweep: use catena sweep".to_string())
-            }
-            true if is_scene(table) && expected("sweep") => Some(
-                "this file describes a scene: use catena simulate, or write a file with [sweep] and [[vary]] for it"
-                    .to_string(),
-            ),
-            _ => None,
+        if table != key || !message.starts_with("unknown field") {
+            return None;
         }
+        if OF_SWEEPS.contains(&table) && expected("robot") {
+            return Some("this file describes a sweep: use catena sweep".to_string());
+        }
+        let said = "this file describes a scene: use catena simulate, or write a file with [sweep] and [[vary]] for it";
+        (is_scene(table) && expected("sweep")).then(|| said.to_string())
     }
 
     /// The line on which a span begins, counted from 1.
