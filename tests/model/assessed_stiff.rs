@@ -284,7 +284,7 @@ fn of_nine_hundred_runs_that_dampers_springs_and_motors_hold_none_is_called_chao
     let Figures { runs, alarms, wrong, judged, bright, dark, .. } = figures(0..300);
     assert_eq!((runs, alarms), (900, 0));
     // 194 were called chaotic, 2 were wrong, and of 487 69 too bright and 56 too dark, before the companion was solved to a part of what parts it from the run
-    // and truncation was told with dampers. Since then 1 is wrong, and of 567 4 are too bright and 5 too dark: the goals are one in 250, one in 50 and one in 30.
+    // and truncation was told with dampers. Since then 1 is wrong, and of 502 2 are too bright and 2 too dark: the goals are one in 250, one in 50 and one in 30.
     assert!(
         wrong * 250 <= runs && bright * 50 <= judged && dark * 30 <= judged,
         "wrong {wrong}, bright {bright}, dark {dark}"

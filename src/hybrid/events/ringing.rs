@@ -18,6 +18,7 @@ use crate::events::finding::watched::Watched;
 use crate::events::integrator::Eventful;
 use crate::events::modes::instants::Inside;
 use crate::events::modes::mode::{JointMode, MotorMode};
+use crate::instant::dynamics::dampings::dampings;
 use crate::mechanism::motion::event::Side;
 use crate::mechanism::motion::inputs::Inputs;
 use nalgebra::{Cholesky, DVector, Dyn};
@@ -94,13 +95,16 @@ impl Eventful {
     /// second. Steps of a tolerance become short enough for it.
     fn begins_with_a_transient(&self, members: &[Member], forces: &DVector<f64>) -> bool {
         let Some(tolerance) = self.model.recipe.tolerance() else { return false };
-        let pairs = members.iter().zip(forces.iter());
-        pairs.into_iter().any(|(member, force)| member.damping.is_some_and(|damping| force.abs() > tolerance * damping))
+        let exceeds = |damping: f64, force: f64| force.abs() > tolerance * damping;
+        let mut pairs = members.iter().zip(forces.iter());
+        pairs.any(|(member, force)| member.damping.is_some_and(|damping| exceeds(damping, *force)))
     }
 
     /// S at a time (s) in a step of this length (s); empty if no damper is hard.
     fn members(&mut self, time: f64, length: f64) -> Vec<Member> {
-        let dampings = self.dampings();
+        let motors = self.model.elements.motors.iter().zip(&self.mode.motors);
+        let motors = motors.filter(|(_, mode)| **mode == MotorMode::Unbounded).map(|(motor, _)| motor);
+        let dampings = dampings(&self.model.whole, motors);
         if dampings.is_empty() {
             return Vec::new();
         }
@@ -142,22 +146,5 @@ impl Eventful {
             member.damping.map_or(0.0, |damping| state.velocity[member.freedom] - force / damping)
         });
         Some(Settled { rates: DVector::from_iterator(members.len(), rates), forces, mobility })
-    }
-
-    /// The freedoms that dampers or motors within their bounds damp, with c [N m s/rad or N s/m].
-    fn dampings(&self) -> Vec<(usize, f64)> {
-        let dampers = self.model.whole.forces.joint_dampers.iter().map(|damper| (damper.freedom, damper.coefficient));
-        let motors = self.model.elements.motors.iter().zip(&self.mode.motors);
-        let motors = motors.filter(|(_, mode)| **mode == MotorMode::Unbounded);
-        let motors = motors.map(|(motor, _)| (motor.coordinate.freedom, motor.law.gains().1));
-        let damped = dampers.chain(motors).filter(|(_, damping)| *damping > 0.0);
-        let mut all: Vec<(usize, f64)> = Vec::new();
-        for (freedom, damping) in damped {
-            match all.iter_mut().find(|(known, _)| *known == freedom) {
-                Some((_, sum)) => *sum += damping,
-                None => all.push((freedom, damping)),
-            }
-        }
-        all
     }
 }

@@ -193,20 +193,20 @@ impl Eventful {
             Some(Rejected::Unseen)
         } else if ending.is_of_scheme() && !ending.is_at_start() && self.passes_a_stop(state) {
             Some(Rejected::SlipTurned)
-        } else if ending.is_of_scheme() && outcome.step > JAM && self.strikes_in_transient(ending.triggers()) {
+        } else if ending.is_of_scheme() && outcome.step > JAM && self.ends_in_transient(ending.triggers()) {
             Some(Rejected::NotSmooth)
         } else {
             self.is_off_balance(inputs, state, ending, &outcome.exchange).then_some(Rejected::OffBalance)
         }
     }
 
-    /// Whether something strikes at the end of the step while rates may have a part of a transient that hard dampers have stopped: the impact would carry
-    /// it on into the motion.
-    fn strikes_in_transient(&self, triggers: &[Watched]) -> bool {
-        let strikes = |trigger: &Watched| {
+    /// Whether an impact, or a joint that stops or lets go, ends the step while rates may have a part of a transient that hard dampers have stopped. The
+    /// impact would carry it on into the motion, and rates and efforts that have it are zero at another instant.
+    fn ends_in_transient(&self, triggers: &[Watched]) -> bool {
+        let heeds = |trigger: &Watched| {
             matches!(trigger, Watched::Gap(..) | Watched::Approach(..) | Watched::Slide(..) | Watched::Bears(..))
         };
-        triggers.iter().any(strikes)
+        triggers.iter().any(heeds)
             && self.workspaces.active().steps.as_ref().is_some_and(|steps| steps.leaves_transient())
     }
 

@@ -212,7 +212,7 @@ impl Control {
 mod tests {
     use super::*;
     use crate::integrator::Lobatto;
-    use crate::length::control::FINEST_STOP;
+    use crate::length::beside_dampers::DAMPED_STOP;
     use crate::length::stage_choice::StageChoice;
     use catena_mechanism::description::joint::{Joint, JointKind, Pose};
     use catena_mechanism::description::mechanism::{Body, Mechanism};
@@ -364,13 +364,14 @@ mod tests {
             control.judge(&solved, Some(energies), step, Guess::Past)
         };
         let again = |guess| Decision::Retry { guess, why: Rejected::EnergyJump };
+        let stop = |control: &Control| control.beside_dampers(control.rule(), 1.0, 0.1).increment;
         // The stop of this control is 1e-7. 3e-5 of the kinetic energy is allowed.
-        assert!(control.rule().increment == 1e-7);
+        assert!(stop(&control) == 1e-7);
         assert_eq!(judge(&mut control, 1e-3, 0.1, 1.0), again(Guess::Longer(0.1)));
-        assert!(control.rule().increment == FINEST_STOP && control.step() == 0.1);
+        assert!(stop(&control) == DAMPED_STOP && control.step() == 0.1);
         // Solved to rounding, it is truncation, and the step too long.
         assert_eq!(judge(&mut control, 1e-3, 0.1, 1.0), again(Guess::Past));
-        assert!(control.step() < 0.1 && control.rule().increment == FINEST_STOP);
+        assert!(control.step() < 0.1 && stop(&control) == DAMPED_STOP);
         assert_eq!(judge(&mut control, 1e-6, 0.05, 1.0), Decision::Accept);
         assert_eq!(control.memory.ringing, 0.0);
         // Rates of 1e-3 in a second take 0.05 J from a damper of 1e6 N s/m in 0.05 s: these are no energy of the motion.

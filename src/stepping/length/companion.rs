@@ -104,14 +104,13 @@ impl Companion {
         self.decay = decay;
     }
 
-    /// Takes note of a step of `length` seconds that is solved: its E, the largest that would be, the E that goes with the iteration `stop` (rad,
-    /// m), and the increment at which its iteration ended. The local error falls like E², which is chosen equal to the error of the stop
-    /// ([`crate::length::control`]), but for dampers.
-    pub(crate) fn see(&mut self, length: f64, legendre: f64, limit: f64, [wanted, stop]: [f64; 2], increment: f64) {
+    /// Takes note of a step of `length` seconds that is solved: its E, the largest that would be, and the E that goes with the iteration `stop` (rad,
+    /// m). The local error falls like E², which is chosen equal to the error of the stop ([`crate::length::control`]), but for dampers.
+    pub(crate) fn see(&mut self, length: f64, legendre: f64, limit: f64, wanted: f64, stop: f64) {
         let counts = legendre > TRUNCATED * limit;
         let smooth = if counts { self.share * stop * (legendre / wanted).powi(2) } else { 0.0 };
         self.truncation = smooth.max(legendre * self.propagated(length * self.decay));
-        self.least = (OF_STOP * stop.min(increment)).max(ROUNDINGS);
+        self.least = (OF_STOP * stop).max(ROUNDINGS);
     }
 
     /// `κ(z) min(1, 15/z)`.

@@ -14,16 +14,15 @@
 //! is a finished one that changes the energy by more than its share of the tolerance. A step near that share does not grow, unless `E` is so small
 //! that the change can only come from the iteration, which does not grow with the step. The energy shows errors that the polynomials do not, such as
 //! a passage near a singular position. The step after one that was thrown away does not grow either: a motion that has become faster seldom has done
-//! so once. Steps in which dampers stop a motion, and steps with dampers that change the energy too much, are iterated to rounding: the rates that an
-//! iteration leaves beside a hard damper do not fall with the step. The polynomial of an attempt with too large an E is the guess of the next one ([`catena_lobatto::stages::predictor`]). If E does not fall
-//! with the step, the motion has a kink, and the energy alone decides. Whatever these say, a step stays within the limit of stability, and a motion
-//! that hard dampers are about to stop is stopped in short ones ([`crate::watching::watch`]).
+//! so once. Steps in which dampers stop a motion, and steps with dampers that change the energy too much, are iterated to rounding
+//! ([`crate::length::beside_dampers`]). The polynomial of an attempt with too large an E is the guess of the next one
+//! ([`catena_lobatto::stages::predictor`]). If E does not fall with the step, the motion has a kink, and the energy alone decides. Whatever these say, a
+//! step stays within the limit of stability, and a motion that hard dampers are about to stop is stopped in short ones ([`crate::watching::watch`]).
 //!
 //! If the simplified iteration does not converge, not even from the plain guess, a tree under gravity gets half the step: a step of the exact Newton
 //! method costs ten times as much, and is tried after some halvings only. A mechanism with forces tries it at once, because a stiff spring would
 //! require shorter steps all along.
 
-use crate::length::companion::STOPPED;
 use crate::length::stage_choice::StageChoice;
 use crate::length::stepper::Stepper;
 use crate::length::stride::Stride;
@@ -57,15 +56,6 @@ const BETWEEN: [(usize, f64, f64); 3] = [(3, 1.0, 1.5), (5, 0.25, 1.5), (9, 0.35
 const BETWEEN_SHARE: f64 = 0.5;
 /// Below this tolerance (m) the bound does not shrink, because rounding is larger.
 const FINEST_TOLERANCE: f64 = 1e-11;
-
-/// The coarsest stop (rad, m) where dampers are hard, and increments that are rounding there if they stay below this.
-pub(crate) const FINEST_STOP: f64 = 1e-15;
-const ROUNDED: f64 = 1e-13;
-/// Increments beside them leave rates of this part of the tolerance in a second [1/s]: the error may be a hundred times as large as the last increment,
-/// because the iteration is far from normal.
-const OF_RATES: f64 = 1e-3;
-/// Increments are no finer than this times the length of the step [1/s]: roundings of displacements.
-const OF_STEP: f64 = 1e-14;
 
 /// Only steps whose E is above this part of the largest so far are evaluated inside: the error of interpolation grows with E.
 const AMONG_LARGEST: f64 = 0.5;
@@ -166,7 +156,7 @@ pub struct Memory {
     pub broken_off: usize,
     /// Observed change of the energy by rounding alone (J).
     pub rounding: f64,
-    /// For how many steps the iteration goes on to rounding: what it leaves are rates that dampers take energy from.
+    /// For how many steps the iteration goes on to rounding beside dampers, which take energy from the rates that it leaves.
     pub polished: usize,
     /// The change of the energy in the last attempt by rates of roundings, which dampers do not take (J).
     pub ringing: f64,
@@ -266,11 +256,10 @@ impl Control {
 
     /// The same with another stop.
     fn rule_at(&self, stop: f64) -> StopRule {
-        let polished = self.memory.polished > 0;
-        let increment = if polished { FINEST_STOP } else { stop.max(1e-16) };
+        let increment = stop.max(1e-16);
         StopRule {
             increment,
-            rounding: increment.max(if polished { ROUNDED } else { 1e-11 }),
+            rounding: increment.max(1e-11),
             unproven: f64::INFINITY,
             iterations: 40,
             legendre: if self.memory.kink == Kink::Seen { KINK * self.limit } else { self.limit },
@@ -281,26 +270,6 @@ impl Control {
             rough: self.memory.too_long < HASTE,
             exactly: self.memory.halvings >= self.patience,
         }
-    }
-
-    /// The same rule for a step of some length (s), to rounding where dampers stop a motion within it, at the rate γ: an iteration that leaves δ of a
-    /// displacement leaves a rate of up to γ δ at the end of the step, and the scheme carries it on into the next ones
-    /// (doc/decisions/046-rates-beside-hard-dampers.md). Mechanisms with closures are solved by the exact method, to 1e-10 or less.
-    pub(crate) fn for_dampers(
-        &self,
-        rule: StopRule,
-        stepper: &Stepper,
-        mechanism: &Mechanism,
-        length: f64,
-    ) -> StopRule {
-        let decay = stepper.watch.hardest();
-        let resolved = length * decay <= STOPPED && self.memory.polished == 0;
-        if resolved || mechanism.has_closures() {
-            return rule;
-        }
-
-        let rounding = (OF_RATES * self.tolerance / decay).clamp(OF_STEP * length.min(1.0), ROUNDED);
-        StopRule { increment: rule.increment.min(FINEST_STOP).min(rounding), rounding, ..rule }
     }
 
     /// The same for a step that a given instant ends early.
@@ -368,20 +337,14 @@ impl Control {
         loop {
             let Stride { length, end, .. } = Stride::towards(until, state.time, self.memory.step);
             let rule = self.rule_for(length);
-            let attempt = stepper.attempt(
-                mechanism,
-                inputs,
-                state,
-                length,
-                &self.for_dampers(rule, stepper, mechanism, length),
-                guess,
-            );
+            let rule = self.beside_dampers(rule, stepper.decay(mechanism), length);
+            let attempt = stepper.attempt(mechanism, inputs, state, length, &rule, guess);
             outcome.cost.iterations += attempt.iterations();
             let energies = match attempt {
                 Attempt::Converged { exact, legendre, .. } => {
                     outcome.exact = exact;
                     if let Some(companion) = &mut stepper.companion {
-                        companion.see(length, legendre, self.limit, [self.wanted, self.stop], rule.increment);
+                        companion.see(length, legendre, self.limit, self.wanted, self.stop);
                     }
                     Some(if !exact && self.is_likely_kept(legendre) {
                         stepper.finish_both(mechanism, state, end)

@@ -2,6 +2,7 @@
 
 #[doc(hidden)]
 pub mod acceptance;
+pub(crate) mod beside_dampers;
 #[doc(hidden)]
 pub mod companion;
 pub mod control;

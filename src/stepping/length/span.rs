@@ -45,14 +45,8 @@ impl Control {
         }
         self.memory.step = length;
         let guess = stepper.first_guess();
-        let attempt = stepper.attempt(
-            mechanism,
-            inputs,
-            state,
-            length,
-            &self.for_dampers(self.bounded_rule(), stepper, mechanism, length),
-            guess,
-        );
+        let rule = self.beside_dampers(self.bounded_rule(), stepper.decay(mechanism), length);
+        let attempt = stepper.attempt(mechanism, inputs, state, length, &rule, guess);
         let Attempt::Converged { exact, legendre, .. } = attempt else {
             self.forget();
             let mut cost = Cost::of(attempt.iterations());

@@ -10,22 +10,19 @@
 
 use crate::events::effects::decision::Scene;
 use crate::instant::cone::bounded::minimise;
+use crate::instant::dynamics::dampings::dampings;
 use crate::instant::holding::blocks::{Row, Rows};
 use crate::mechanism::motion::state::State;
 
 /// The state with the velocities v_t; `None` if no damper is that hard for a time (s).
 pub(crate) fn after_dampers(scene: &mut Scene, state: &State, rests: &[Row], time: f64) -> Option<State> {
-    let dampers = scene.whole.forces.joint_dampers.iter().map(|damper| (damper.freedom, damper.coefficient));
-    let motors = scene.elements.motors.iter().map(|motor| (motor.coordinate.freedom, motor.law.gains().1));
-    let damped: Vec<(usize, f64)> = dampers.chain(motors).filter(|(_, damping)| *damping > 0.0).collect();
+    let damped = dampings(scene.whole, scene.elements.motors.iter());
     if damped.is_empty() {
         return None;
     }
     let mobilities = scene.response.diagonal(state, damped.iter().map(|(freedom, _)| *freedom));
     let hard = damped.iter().zip(mobilities).filter(|((_, damping), mobility)| damping * mobility * time > 1.0);
-    let mut freedoms: Vec<usize> = hard.map(|((freedom, _), _)| *freedom).collect();
-    freedoms.sort_unstable();
-    freedoms.dedup();
+    let freedoms: Vec<usize> = hard.map(|((freedom, _), _)| *freedom).collect();
     if freedoms.is_empty() {
         return None;
     }

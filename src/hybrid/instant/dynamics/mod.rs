@@ -1,6 +1,7 @@
 //! Accelerations under efforts and velocities after impulses, with closures and followers.
 
 pub(crate) mod closing;
+pub(crate) mod dampings;
 pub(crate) mod following;
 pub mod mass_matrix;
 pub mod response;

@@ -75,8 +75,8 @@ pub(super) fn displaced(summary: &Summary, wanted: f64) -> f64 {
     DISPLACED * wanted * summary.pulled
 }
 
-/// The warning of an energy that does not balance, or whose balance is unknown. Springs that store far more than a motion that creeps has hide it, and
-/// nobody can do anything about that, unless an end of one is far away.
+/// The warning of an energy that does not balance, or whose balance is unknown. Springs may store far more energy than a motion that creeps has; that is
+/// said where there is a spring between points, because its end may be far away.
 pub(crate) fn balance_warning(
     description: &MethodDescription,
     summary: &Summary,

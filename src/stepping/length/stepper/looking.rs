@@ -79,6 +79,12 @@ impl Stepper {
         if self.damped && self.length * self.watch.hardest() > STOPPED { legendre * STOPPED / self.length } else { 0.0 }
     }
 
+    /// The rate at which the hardest damper of a tree stops something, as far as is known [1/s]. Zero with closures, which the exact method solves to 1e-10
+    /// or less.
+    pub fn decay(&self, mechanism: &Mechanism) -> f64 {
+        if mechanism.has_closures() { 0.0 } else { self.watch.hardest() }
+    }
+
     /// Whether dampers act, so that every step is looked at.
     pub fn is_damped(&self) -> bool {
         self.damped
