@@ -18,7 +18,7 @@ impl Effort {
     /// For a problem of this number of blocks whose residual is to be below `tolerance`.
     pub fn of(blocks: usize, tolerance: f64) -> Self {
         let (least, patience, enough): (f64, usize, f64) =
-            if blocks > LARGE { (1e-6, 60, 1e-5) } else { (0.0, usize::MAX, 1e-6) };
+            if blocks > LARGE { (1e-6, 60, 1e-5) } else { (0.0, usize::MAX, 1e-8) };
         Effort { residual: tolerance.max(least), patience, enough: enough.max(tolerance) }
     }
 }

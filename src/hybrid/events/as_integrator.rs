@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     other efforts ─▶ decided anew (changed_efforts.rs) ─▶ next_step.rs ─┬▶ advance (steps.rs) ─▶ an error ─▶ stumble (stepwise.rs)
-//!                                                                         └▶ a crowd (crowding.rs) ─▶ stumble
+//!                                                                         └▶ a crowd (crowded.rs) ─▶ stumble
 //! ```
 
 use crate::events::finding::detection::ONE_INSTANT;
@@ -112,11 +112,11 @@ impl Integrator for Eventful {
             ) if !self.model.touching.pairs.is_empty() => {
                 state.copy_from(&self.trial.origin);
                 let (since, slides) = (state.time, self.slides());
-                let again = slides && self.progress.crowding.jams_again(since) && self.may_step_carefully(since);
+                let again = slides && self.progress.jams.come_again(since) && self.may_step_carefully(since);
                 match if again { self.begin_carefully(inputs, state, next) } else { None } {
                     Some(outcome) => outcome,
                     None => {
-                        self.progress.crowding.jam(since);
+                        self.jam(since);
                         self.stumble(inputs, state, next)
                     }
                 }
@@ -124,7 +124,7 @@ impl Integrator for Eventful {
             Err(StepError::NotConverged { .. } | StepError::NotAccurate { .. } | StepError::TurnedTooFar { .. })
                 if self.model.touching.pairs.is_empty() =>
             {
-                self.progress.crowding.jam(self.trial.origin.time);
+                self.jam(self.trial.origin.time);
                 self.pass_singular(inputs, state, next)
             }
             // A given step was halved again and again, and is beyond the limit of stability because joints turn without bound, or because a loop with
@@ -132,7 +132,7 @@ impl Integrator for Eventful {
             Err(StepError::Unstable { .. })
                 if self.model.touching.pairs.is_empty() && (self.starts_singular() || self.holds_in_loops()) =>
             {
-                self.progress.crowding.jam(self.trial.origin.time);
+                self.jam(self.trial.origin.time);
                 self.pass_singular(inputs, state, next)
             }
             done => done?,

@@ -19,6 +19,7 @@ use crate::events::crowded::Attempted;
 use crate::events::integrator::Eventful;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::progress::Progress;
+use crate::events::parts::spending::Patience;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::motion::distance::{distance, probes};
 use crate::mechanism::motion::inputs::Inputs;
@@ -36,24 +37,30 @@ const LONGER: f64 = 2.0;
 const SHORTER: [f64; 2] = [0.1, 0.5];
 /// A slip that is slower than this part of the largest speed so far is slow.
 const SLOW: f64 = 1e-3;
+/// Fast slips are stepped over where exact steps are dearer by this factor.
+const FAR_DEARER: f64 = 10.0;
 
 impl Eventful {
     /// Whether exact steps are dearer than such steps would be where no impacts are met.
     pub(super) fn slips_are_dear(&self, time: f64) -> bool {
-        let Progress { crowding, careful, .. } = &self.progress;
-        crowding.is_dear(self.labour_of_crowds(*careful)) && self.may_step_carefully(time)
+        self.overspends(time, 1.0) && self.may_step_carefully(time)
+    }
+
+    /// Whether exact steps cost more than this many times the price of such steps at a time (s).
+    fn overspends(&self, time: f64, times: f64) -> bool {
+        self.progress.spending.rate(time, Patience::Short) > times * self.price_of_crowds(self.progress.careful)
     }
 
     /// Whether such steps may keep to a tolerance from a time (s) on: slips are slow, and no impacts are met now, unless exact steps are far dearer.
     pub(super) fn may_step_carefully(&self, time: f64) -> bool {
         let HybridModel { touching, recipe, .. } = &self.model;
-        let Progress { crowding, beyond_horizon, .. } = &self.progress;
+        let Progress { spending, beyond_horizon, .. } = &self.progress;
         let may = !(touching.pairs.is_empty() || *beyond_horizon || recipe.keeps(Rule::Crowds) || self.needs_events());
         let can = self.workspaces.crowd.is_some() && recipe.tolerance().is_some();
         // Steps over all events that keep to the tolerance, too, and are as long, are left less often.
         let (length, keeps) = self.crowd_length();
-        let far_dearer = || crowding.is_far_dearer(time, self.labour_of_crowds(self.progress.careful));
-        may && can && (!crowding.is_lively() || far_dearer()) && !(keeps && length >= MOST)
+        let slow = !spending.slips_fast(time) || self.overspends(time, FAR_DEARER);
+        may && can && !spending.meets_impacts(time) && slow && !(keeps && length >= MOST)
     }
 
     /// Whether a slip was not slow where the last step began.
@@ -69,10 +76,10 @@ impl Eventful {
         self.progress.is_careful = true;
         let Some((mut outcome, made)) = self.step_carefully(inputs, state, until) else {
             self.progress.is_careful = false;
-            self.progress.crowding.forget_labour();
+            self.progress.spending.forget();
             return None;
         };
-        self.progress.crowding.enter(state.time);
+        self.progress.spells.enter(state.time);
         self.workspaces.leave_companion();
         self.progress.in_crowd = true;
         if self.is_over(&made, self.progress.careful) {

@@ -1,17 +1,11 @@
 //! A run in a crowd of events: when it begins, the length of its steps (`crowd/`), and when exact steps take over again.
 //!
 //! ```text
-//!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms where no such step keeps to it; no less beyond the horizon           v: largest speed so far [m/s]
-//!     begins:   exact labour, decisions and looks at hulls included, > 2 labour of such steps and > 1 s/s, if they keep to the tolerance, and four events or ticks were met in
-//!               10 ms, or one of a lone island and ten times that labour;  or as in `crowding.rs`, if such crowds follow soon
-//!               c_d (3 n_c)³ > 2 (1/h) c_c (i + 5) n  and > 1 s, where a run begins; > 3 s, if they do not keep to it      cost of its decision (s)
-//!     ends:     calm, and   n_s c (n + 3 n_c)² + c_d (3 n_c)³ < ½ (1/h) c_c (i + 5) n                 expected cost for a second of the motion (s)
-//!               or < 0.2 s in a scene of a few bodies, n_s c (3 n)² < 0.08 s, whose error is estimated
+//!     h = tolerance/(κ v),  from 0.1 to 2 ms; 1 ms at least beyond the horizon                            v: largest speed so far [m/s]
+//!     h = 0.1 ms, longer in crowds that follow each other (`parts/spells.rs`), where no such step keeps to the tolerance
+//!     begins:   exact steps are too dear (`price.rs`), or the decision of the start of a run is
+//!     ends:     calm, and exact steps are expected to cost less than half
 //! ```
-//!
-//! n are rates, n_c closed contacts, i the iterations of a step, of a usual one at most; n_s is the number of exact steps in a calm second, c and c_c are the measured costs of an
-//! iteration for each squared unknown, and of a step over events for each rate; c_d is the one of a decision for each cubed unknown, which is dense. All
-//! are counts: the choice does not depend on a clock.
 //!
 //! A step that cannot be made is tried with a quarter of its length. A crowd ends by it only after the last try. A step whose residual is above 1e-4 is
 //! made once more, with a quarter of its length, and the one with the smaller residual is taken.
@@ -21,9 +15,10 @@ use crate::events::crowd::contacts::{Scene, has_row};
 use crate::events::crowd::step::Made;
 use crate::events::integrator::Eventful;
 use crate::events::modes::mode::MotorMode;
-use crate::events::parts::crowding::{Crowding, LABOUR_WITHIN};
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::progress::Progress;
+use crate::events::parts::spells::Spells;
+use crate::events::parts::spending::Spending;
 use crate::events::parts::workspaces::Workspaces;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::Exchange;
@@ -33,20 +28,12 @@ use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::state::State;
 
 /// Lengths of steps (s): the least, the most, and where none keeps to the tolerance.
-const LENGTHS: [f64; 2] = [1e-4, 2e-3];
+pub(super) const LENGTHS: [f64; 2] = [1e-4, 2e-3];
 const PLAIN: f64 = 1e-3;
 /// κ: the error of an impact over its change of velocity and the length of the step.
 const SMEARS: f64 = 0.3;
 /// Bodies at rest may come to the speed of a fall for this time (s).
 const FALLS: f64 = 0.1;
-/// c and c_c (s), n_s.
-pub(super) const ITERATION: f64 = 2e-7;
-/// A look at the gap of two hulls with many vertices (s).
-pub(super) const LOOK: f64 = 3e-5;
-const STEP: f64 = 4e-7;
-const CALM_STEPS: f64 = 200.0;
-/// c_d (s).
-const DECISION: f64 = 4e-8;
 /// A step that would leave less than this part of its length goes to the end: gaps are velocities of any size in a step of roundings of the time.
 const SLIVER: f64 = 1e-6;
 /// A step with a larger residual is made once more, shorter.
@@ -54,18 +41,6 @@ const UNSOLVED: f64 = 1e-4;
 /// A step is made shorter by this factor, this often at most.
 const SHORTER: f64 = 0.25;
 const SHORTENED: usize = 4;
-/// Iterations that the other work of a step is worth, and iterations of a usual step.
-const OVERHEAD: f64 = 5.0;
-const USUAL: f64 = 8.0;
-/// Exact steps that cost less than this stay (s for a second of the motion).
-pub(super) const CHEAP: f64 = 1.0;
-/// The same of the decision of a start where steps over events do not keep to the tolerance (s): what rests may never move.
-const PATIENT: f64 = 3.0;
-/// Exact steps that cost less than this are worth a run that begins again (s for a second of the motion).
-const LITTLE: f64 = 0.2;
-/// The same with a contact for three rates, in a scene of a few bodies: two on a floor.
-const FEW: f64 = 0.08;
-
 /// A step over events: its end, its length (s) and figures.
 pub(super) struct Attempted {
     pub end: State,
@@ -76,7 +51,8 @@ pub(super) struct Attempted {
 /// What a run has seen of crowds, for one that goes on from it with other bodies.
 #[derive(Clone, Copy)]
 pub struct CrowdsSoFar {
-    crowding: Crowding,
+    spending: Spending,
+    spells: Spells,
     in_crowd: bool,
     beyond_horizon: bool,
     /// The largest speed of its bodies, in the mean over their masses [m/s].
@@ -97,13 +73,13 @@ impl Eventful {
     /// What it has seen of crowds.
     pub fn crowds_so_far(&self) -> CrowdsSoFar {
         let speed = self.fastest();
-        let &Progress { crowding, in_crowd, beyond_horizon, .. } = &self.progress;
-        CrowdsSoFar { crowding, in_crowd, beyond_horizon, speed }
+        let &Progress { spending, spells, in_crowd, beyond_horizon, .. } = &self.progress;
+        CrowdsSoFar { spending, spells, in_crowd, beyond_horizon, speed }
     }
 
     /// Goes on from what another run has seen, before the first step: in a crowd if that was in one.
     pub fn go_on_from(&mut self, before: CrowdsSoFar) {
-        self.progress.crowding = before.crowding;
+        (self.progress.spending, self.progress.spells) = (before.spending, before.spells);
         self.progress.goes_on_in_crowd = before.in_crowd;
         self.progress.beyond_horizon |= before.beyond_horizon;
         self.memory.kinetic = 0.5 * self.mass() * before.speed.powi(2);
@@ -133,7 +109,8 @@ impl Eventful {
             }
             // Joints that hard dampers hold hardly move.
             Some(_) if self.progress.chatters => (LENGTHS[0], true),
-            _ => (PLAIN, self.progress.beyond_horizon),
+            _ if self.progress.beyond_horizon => (PLAIN, true),
+            _ => ((LENGTHS[0] * self.progress.spells.longer()).min(PLAIN), false),
         }
     }
 
@@ -154,17 +131,6 @@ impl Eventful {
         self.progress.estimated = true;
     }
 
-    /// Whether steps that end at given instants, to which few stages are not enough, are as good a reason for steps over events as events are.
-    pub(super) fn counts_instants(&self) -> bool {
-        !self.progress.estimated || self.progress.beyond_horizon
-    }
-
-    /// The labour that is borne in a scene of a few bodies whose error is estimated, which saves it: an impact that is met in its order may decide what follows.
-    pub(super) fn saved_labour(&self) -> Option<f64> {
-        let few = are_few(self.model.whole.velocity_count);
-        self.bearable_labour().filter(|_| few && !self.counts_instants())
-    }
-
     /// From now on no step can be accurate: runs that differ by roundings have met other events.
     pub fn pass_horizon(&mut self) {
         self.progress.beyond_horizon = true;
@@ -175,33 +141,14 @@ impl Eventful {
         self.model.touching.pairs.need_events()
     }
 
-    /// The labour of exact steps in the time in which it is counted beyond which steps over events are cheaper; `None` if they are not accurate enough.
-    pub(super) fn bearable_labour(&self) -> Option<f64> {
-        let (length, keeps) = self.crowd_length();
-        if self.workspaces.crowd.is_none() || !keeps || self.needs_events() {
-            return None;
-        }
-        Some(self.labour_of_crowds(length))
-    }
-
-    /// The labour that is dearer than steps over events of this length (s), in the time in which it is counted.
-    pub(super) fn labour_of_crowds(&self, length: f64) -> f64 {
-        LABOUR_WITHIN * (2.0 * self.cost_of_crowds(length, USUAL)).max(CHEAP) / ITERATION
-    }
-
-    /// The expected cost of steps of this length (s) and iterations for a second of the motion (s).
-    fn cost_of_crowds(&self, length: f64, iterations: f64) -> f64 {
-        STEP * (iterations + OVERHEAD) * self.model.whole.velocity_count as f64 / length
-    }
-
     /// Begins a run in a crowd, if all steps are over events or the decision of its start costs more than those; `false` otherwise.
     pub(super) fn begin_in_crowd(&mut self, state: &State) -> bool {
         if self.model.over_events.is_some() {
-            self.progress.crowding.enter(state.time);
+            self.progress.spells.enter(state.time);
             self.progress.in_crowd = true;
             return true;
         }
-        let (length, keeps) = self.crowd_length();
+        let (length, _) = self.crowd_length();
         let HybridModel { whole, elements, touching, recipe, .. } = &self.model;
         if touching.pairs.is_empty() || recipe.keeps(Rule::Crowds) || self.needs_events() {
             return false;
@@ -212,31 +159,31 @@ impl Eventful {
         }
         let scene = Scene { whole, elements, touching };
         let held = self.workspaces.crowd.as_mut().and_then(|crowd| crowd.held_at(scene, state, length));
-        let cheap = if keeps { CHEAP } else { PATIENT };
-        if decision(held.unwrap_or(0)) <= (2.0 * self.cost_of_crowds(length, USUAL)).max(cheap) {
+        if !self.is_start_too_dear(held.unwrap_or(0)) {
             return false;
         }
         self.workspaces.leave_companion();
         self.progress.asleep = false;
-        self.progress.crowding.enter(state.time);
+        self.progress.spells.enter(state.time);
         self.progress.in_crowd = true;
         true
     }
 
-    /// Begins a crowd with a step from a state towards `until`; `None` if the crowd is brief, such steps do not keep to the tolerance and plastic ones are
-    /// stable, if crowds are switched off, or if the step cannot be made.
+    /// Begins a crowd with a step from a state towards `until`; `None` if a step that jams is to be passed by a shorter and plastic one that is stable, if
+    /// crowds are switched off, or if the step cannot be made.
     pub(super) fn enter_crowd(&mut self, inputs: Inputs, state: &mut State, until: f64) -> Option<StepOutcome> {
-        let (length, keeps) = self.crowd_length();
+        let (length, _) = self.crowd_length();
         if self.model.recipe.keeps(Rule::Crowds) || self.needs_events() {
             return None;
         }
-        let crowding = self.progress.crowding;
-        if crowding.is_brief(keeps) && !self.overshoots(state, crowding.length()) {
+        let spells = self.progress.spells;
+        let jam = self.progress.jams.next();
+        if jam.is_some_and(|length| !self.overshoots(state, length)) {
             return None;
         }
-        self.progress.crowding.enter(state.time);
+        self.progress.spells.enter(state.time);
         let Some((mut outcome, made)) = self.step_in_crowd(inputs, state, until, self.model.coarser * length) else {
-            self.progress.crowding = crowding;
+            self.progress.spells = spells;
             return None;
         };
         self.progress.in_crowd = true;
@@ -283,19 +230,16 @@ impl Eventful {
             return false;
         }
         if self.progress.is_careful {
-            return self.progress.crowding.is_calm(made.closed);
+            return self.progress.spells.is_calm(made.closed);
         }
-        let exact = cost_of_exact(self.model.whole.velocity_count, made.held);
-        let over = self.cost_of_crowds(length, (made.iterations as f64).min(USUAL));
-        let little = if self.saved_labour().is_some() { LITTLE } else { 0.0 };
-        self.progress.crowding.is_calm(made.closed) && exact < little.max(0.5 * over) && !made.asleep
+        self.progress.spells.is_calm(made.closed) && self.are_exact_steps_cheaper(length, made) && !made.asleep
     }
 
     /// The mode is decided anew at the end of a crowd; what that takes from the motion counts as lost in impacts.
     pub(super) fn leave_crowd(&mut self, inputs: Inputs, state: &mut State, outcome: &mut StepOutcome) {
         self.progress.in_crowd = false;
         self.progress.is_careful = false;
-        self.progress.crowding.leave(state.time);
+        self.progress.spells.leave(state.time);
         self.previous.outside.clear();
         self.previous.outside.extend_from_slice(inputs.efforts);
         for index in 0..self.model.elements.motors.len() {
@@ -423,28 +367,7 @@ impl Eventful {
     }
 }
 
-/// The expected cost of exact steps with so many rates and closed contacts for a calm second of the motion (s).
-fn cost_of_exact(rates: usize, contacts: usize) -> f64 {
-    CALM_STEPS * ITERATION * (rates as f64 + 3.0 * contacts as f64).powi(2) + decision(contacts)
-}
-
-/// Whether exact steps with so many rates and closed contacts are expected to cost little for a calm second of the motion. Steps of a robot do, and steps of
-/// a pile of eight boxes do not.
-pub fn is_cheap(rates: usize, contacts: usize) -> bool {
-    cost_of_exact(rates, contacts) < LITTLE
-}
-
-/// Whether a scene with this number of rates has a few bodies: exact steps cost little there, however many contacts close.
-pub fn are_few(rates: usize) -> bool {
-    CALM_STEPS * ITERATION * (3.0 * rates as f64).powi(2) < FEW
-}
-
 /// The least part of their mean length that steps over events may have.
 pub fn least_part(mean: f64) -> f64 {
     LENGTHS[0] / mean
-}
-
-/// The cost of the decision of a mode with this number of closed contacts (s).
-pub(super) fn decision(contacts: usize) -> f64 {
-    DECISION * (3.0 * contacts as f64).powi(3)
 }

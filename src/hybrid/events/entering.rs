@@ -5,6 +5,7 @@
 //!                                                  ─▶ holding, watched
 //! ```
 
+use crate::events::crowded::LENGTHS;
 use crate::events::effects::immobile::held_bodies;
 use crate::events::finding::watched::Watched;
 use crate::events::forces::holding::Holding;
@@ -15,7 +16,6 @@ use crate::events::modes::mode::MotorMode;
 use crate::events::modes::piece::{Key, Piece};
 use crate::events::modes::present::Present;
 use crate::events::modes::tolerances::slip_at_rest;
-use crate::events::parts::crowding::STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
 use crate::events::parts::workspaces::Workspaces;
@@ -75,7 +75,7 @@ impl Eventful {
             pace.map_or(StepPace::Grid { origin: self.progress.began }, |steps| steps.step_pace(self.progress.began));
         // The causes of short steps before do not apply to this mode. A failed step has become as short as steps can be; the next step is at least as
         // long as the step of first order that replaces it.
-        let least = if self.progress.stepped_over.is_some() { STEP } else { RENEWED };
+        let least = if self.progress.stepped_over.is_some() { LENGTHS[0] } else { RENEWED };
         let pace = match pace {
             StepPace::Step { length, kinetic } if length > 0.0 => StepPace::Step { length: length.max(least), kinetic },
             pace => pace,

@@ -10,7 +10,7 @@
 
 use crate::events::crowd::contacts::{Scene, has_row};
 use crate::events::crowd::step::Crowd;
-use crate::events::crowded::{CHEAP, decision};
+use crate::events::price::{CHEAP, decision};
 use crate::instant::dynamics::response::Response;
 use crate::instant::exerting::exerted::Exerted;
 use crate::instant::holding::elements::Elements;

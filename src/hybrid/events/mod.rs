@@ -59,6 +59,7 @@ mod nearing;
 mod next_step;
 mod parting;
 mod parts;
+pub mod price;
 mod quiet;
 mod ringing;
 mod singular;

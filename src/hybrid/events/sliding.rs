@@ -13,7 +13,7 @@ use crate::events::forces::closed_forces::{Slipping, What, slipping};
 use crate::events::integrator::{Eventful, InUse};
 use crate::events::modes::mode::Closed;
 use crate::events::modes::tolerances::{BRIEF_SLIP, SHORTEST, STOPPED_SLIP, direction_of_slip, slip_at_rest};
-use crate::events::parts::crowding::JAM_STEP;
+use crate::events::parts::jams::FIRST as JAM_STEP;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::trial::StepTrial;
 use crate::instant::holding::moments::Turning;

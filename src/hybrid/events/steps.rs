@@ -6,7 +6,6 @@
 //! ```
 
 use crate::events::careful::MOST;
-use crate::events::crowded::{ITERATION, LOOK, decision};
 use crate::events::effects::resting;
 use crate::events::finding::detection::Bracket;
 use crate::events::finding::watched::Watched;
@@ -15,7 +14,8 @@ use crate::events::modes::drives::displacement;
 use crate::events::modes::mode::{Closed, JointMode};
 use crate::events::modes::piece::Piece;
 use crate::events::next_step::{Ending, NextStep};
-use crate::events::parts::crowding::Ended;
+use crate::events::parts::spending::Ended;
+use crate::events::price::{ITERATION, LOOK, decision};
 use crate::events::quiet::QUIET;
 use crate::events::sliding::{JAM, Stopping};
 use crate::mechanism::description::body_state::BodyState;
@@ -88,7 +88,6 @@ impl Eventful {
             if outcome.step <= JAM {
                 return Err(StepError::NotAccurate { time: since, step: outcome.step });
             }
-            self.note_labour(since, outcome.cost.iterations, attempt.unknowns, Ended::Smoothly);
             self.workspaces.active_mut().go_back(since, &self.model.recipe);
             state.copy_from(&self.trial.origin);
             until = since + if why == Rejected::SlipTurned { HALF } else { SHORTER } * outcome.step;
@@ -242,7 +241,7 @@ impl Eventful {
             let mode = self.mode.clone();
             outcome.exchange += self.pass(inputs, state, &triggers, attempt.stopped.is_some());
             if at_start && let Some(left) = self.progress.repeats.close_cycle(&self.mode, state, self.memory.fastest) {
-                self.progress.crowding.count_repeated(left);
+                self.progress.spending.repeat(left);
             }
             // A slip that was stopped has changed, even if it begins again.
             self.progress.repeats.take_change(at_start && attempt.stopped.is_none() && mode.is_like(&self.mode));
@@ -267,18 +266,15 @@ impl Eventful {
         let cheap =
             self.workspaces.pieces[self.workspaces.last].steps.as_ref().is_none_or(|steps| steps.is_cheap_span());
         let ended = match (triggers.is_empty(), attempt.given && !cheap && self.counts_instants()) {
-            (false, _) => {
-                let impact = self.tally.events.iter().skip(known).any(|event| event.impulse.is_some());
-                Ended::AtEvent { decided: decision(self.mode.contacts.len()) / ITERATION, impact }
-            }
+            (false, _) => Ended::AtEvent,
             (true, true) => Ended::AtInstant,
             (true, false) if outcome.step < MOST && self.slides() => Ended::AtSlip,
             (true, false) => Ended::Smoothly,
         };
-        self.note_labour(since, outcome.cost.iterations, attempt.unknowns, ended);
-        if fast {
-            self.progress.crowding.note_lively(since);
-        }
+        let iterations = outcome.cost.iterations + self.tally.abandoned.iterations;
+        self.note_cost(since, iterations, attempt.unknowns, ended);
+        let impact = self.tally.events.iter().skip(known).any(|event| event.impulse.is_some());
+        self.progress.spending.see(since, impact, fast);
     }
 
     /// Remembers the largest rates, speeds and kinetic energy at the end of a step.
@@ -305,12 +301,12 @@ impl Eventful {
     }
 
     /// Counts the cost of a step from a time (s) on; given steps may be many between events.
-    fn note_labour(&mut self, since: f64, iterations: usize, unknowns: usize, ended: Ended) {
-        if self.model.recipe.tolerance().is_some() {
-            let looks = std::mem::take(&mut self.trial.looks) as f64 * LOOK / ITERATION;
-            let (work, borne) = (iterations as f64 * (unknowns as f64).powi(2) + looks, self.saved_labour());
-            self.progress.crowding.labour(since, work, ended);
-            self.progress.crowding.save(since, work, ended, borne);
+    fn note_cost(&mut self, since: f64, iterations: usize, unknowns: usize, ended: Ended) {
+        let looks = std::mem::take(&mut self.trial.looks) as f64 * LOOK;
+        if self.model.recipe.tolerance().is_some() || ended == Ended::AtEvent {
+            let decided = if ended == Ended::AtEvent { decision(self.mode.contacts.len()) } else { 0.0 };
+            let cost = ITERATION * iterations as f64 * (unknowns as f64).powi(2) + looks + decided;
+            self.progress.spending.spend(since, cost, ended);
         }
     }
 

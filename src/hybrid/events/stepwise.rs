@@ -16,9 +16,13 @@
 //! Computer Methods in Applied Mechanics and Engineering 177 (1999).
 
 use crate::events::closing::{Bearing, Pressed};
+use crate::events::crowded::LENGTHS;
 use crate::events::effects::omitted_flights::probe_velocities;
 use crate::events::effects::resting::{energy, work_of_forces};
 use crate::events::integrator::Eventful;
+use crate::events::parts::progress::Progress;
+use crate::events::parts::spending::Patience;
+use crate::events::price::CHEAP;
 use crate::instant::start::assembly::assemble_nearby;
 use crate::mechanism::description::rules::Rule;
 use crate::mechanism::forces::total::Exchange;
@@ -30,8 +34,8 @@ use crate::mechanism::motion::state::State;
 
 /// A step that gains more than this part of the kinetic energy is scaled.
 const GAIN: f64 = 1e-14;
-/// This many closed contacts add the cost of about one step.
-const CONTACTS_A_STEP: usize = 4;
+/// Steps in crowds that follow each other are longer by this factor at most.
+const LONGER: f64 = 10.0;
 
 /// Dampers with time constants below half of this (s) make joints that creep stop and slip, and limits bear and release, without an end.
 const HARD: f64 = 1e-4;
@@ -59,19 +63,30 @@ struct Pushed {
 impl Eventful {
     /// Whether steps between events are too frequent and too short for the run to advance, or the scheme has no mode to step in.
     pub(super) fn is_crowded(&mut self, state: &State) -> bool {
+        self.progress.jams.pass();
         if self.progress.undecided {
             // Most are over in a moment; those that last are left by longer and longer steps.
-            self.progress.crowding.jam(state.time);
+            self.jam(state.time);
             return true;
         }
-        // Given steps may be short without any event.
-        let chosen = self.model.recipe.tolerance().is_some();
-        let work = if chosen { 1 + self.mode.contacts.len() / CONTACTS_A_STEP } else { 1 };
-        let bearable = self.bearable_labour();
+        if self.model.recipe.keeps(Rule::Crowds) {
+            return false;
+        }
         let is_mechanism = self.model.touching.pairs.is_empty();
-        self.progress.chatters = is_mechanism && self.progress.crowding.is_eventful() && self.overshoots(state, HARD);
-        let may = (!is_mechanism || self.progress.chatters) && !self.model.recipe.keeps(Rule::Crowds);
-        may && self.progress.crowding.count(state.time, work, bearable, self.trial.loose.is_one())
+        let dear = self.progress.spending.rate(state.time, Patience::Short) > CHEAP;
+        self.progress.chatters = is_mechanism && dear && self.overshoots(state, HARD);
+        (!is_mechanism || self.progress.chatters) && self.are_exact_steps_too_dear(state.time)
+    }
+
+    /// A step that begins at a time (s) could not be made.
+    pub(super) fn jam(&mut self, time: f64) {
+        self.progress.jams.jam(time, LENGTHS[0]);
+    }
+
+    /// The length of a step of first order (s).
+    pub(super) fn first_order_length(&self) -> f64 {
+        let Progress { jams, spells, .. } = &self.progress;
+        jams.next().unwrap_or(LENGTHS[0] * spells.longer().min(LONGER))
     }
 
     /// Makes one such step towards `until` from the start of the step that failed.
@@ -84,9 +99,12 @@ impl Eventful {
         let efforts = self.mode.driving_efforts(&self.model.elements, inputs, state);
         let mut free = vec![0.0; self.model.whole.velocity_count];
         self.workspaces.response.accelerations(state, &efforts, &mut free);
-        let jammed = self.progress.crowding.is_jammed();
+        let jammed = self.progress.jams.next().is_some();
+        if !jammed {
+            self.progress.spells.enter(start.time);
+        }
         let longer = if jammed { self.model.coarser } else { 1.0 };
-        let mut step = (longer * self.progress.crowding.length()).min(until - start.time);
+        let mut step = (longer * self.first_order_length()).min(until - start.time);
         let mut rounds = 0;
         let Pushed { pressed, limits, near, rebounds, driven, .. } = loop {
             let pushed = self.pushed(step, &start, &free, &mut state.velocity, rounds == SHORTENED);
@@ -99,6 +117,9 @@ impl Eventful {
         self.tally.leave_out(rebounds.0, rebounds.1, &self.model.whole, &start);
         let moved: Vec<f64> = state.velocity.iter().map(|rate| step * rate).collect();
         let moving = State { velocity: state.velocity.clone(), ..start.clone() };
+        if !jammed {
+            self.progress.spells.leave(start.time + step);
+        }
         self.tally.smeared[1] += if jammed { step } else { 0.0 };
         self.tally.left_of_steps += step * self.speed_in_doubt(&start, &free, step);
         let loads = work_of_forces(&self.model.whole, &moving, step);
@@ -179,7 +200,6 @@ impl Eventful {
 mod tests {
     use super::*;
     use crate::events::modes::mode::JointMode;
-    use crate::events::parts::crowding::STEP;
     use crate::mechanism::description::closure::{Coordinate, JointLimit};
     use crate::mechanism::description::contact::{Collider, ContactPair, Shape};
     use crate::mechanism::description::joint::{Joint, JointKind, Pose};
@@ -253,7 +273,7 @@ mod tests {
         eventful.stumble(inputs, &mut state, 1.0);
         eventful.previous.left = Some(state.clone());
         let after = eventful.step(&mechanism, inputs, &mut state, 1.0).expect("a step").step;
-        assert!(after >= 0.9 * STEP, "{after:e}");
+        assert!(after >= 0.9 * LENGTHS[0], "{after:e}");
     }
 
     #[test]

@@ -60,11 +60,6 @@ impl Loose {
         bodies.into_iter().flatten().all(|body| !self.now[self.firsts[body]])
     }
 
-    /// Whether all bodies are one island.
-    pub fn is_one(&self) -> bool {
-        self.firsts.iter().all(|&first| first == 0)
-    }
-
     /// Whether these bodies fly by themselves, in the mode and in the one before.
     pub fn still_fly(&self, bodies: impl IntoIterator<Item = Option<usize>>) -> bool {
         bodies.into_iter().flatten().all(|body| self.alone[body] && !self.now[body] && !self.before[body])
@@ -109,7 +104,7 @@ mod tests {
         let mut loose = Loose::new(&bodies());
         // Nothing is known of a mode before the first.
         loose.take(&Closures::default());
-        assert!(!loose.still_fly([Some(0), None]) && !loose.is_one());
+        assert!(!loose.still_fly([Some(0), None]));
         loose.take(&anchored(1));
         assert!(loose.still_fly([Some(0), None]) && !loose.still_fly([Some(0), Some(1)]));
         loose.take(&Closures::default());

@@ -3,8 +3,10 @@
 //! Invariants: `asleep` only if all bodies rest and nothing acts that changes with time; `quiet` counts steps at rest in a row; `in_crowd` only for
 //! mechanisms that have a workspace for steps over many impacts.
 
-use crate::events::parts::crowding::Crowding;
+use crate::events::parts::jams::Jams;
 use crate::events::parts::repeats::Repeats;
+use crate::events::parts::spells::Spells;
+use crate::events::parts::spending::Spending;
 use crate::instant::holding::blocks::Of;
 use crate::mechanism::motion::state::State;
 use nalgebra::Vector3;
@@ -35,8 +37,11 @@ pub(crate) struct Progress {
     pub repeats: Repeats,
     /// The slips that pass near their stops now.
     pub passes: Vec<Pass>,
-    /// The counts of crowds of events.
-    pub crowding: Crowding,
+    /// What exact steps have spent on events.
+    pub spending: Spending,
+    /// Crowds of events that follow each other, and steps that could not be made.
+    pub spells: Spells,
+    pub jams: Jams,
     /// Whether the run makes steps over many impacts now.
     pub in_crowd: bool,
     /// Whether hard dampers of a mechanism without shapes let events follow each other without an end.
@@ -71,7 +76,9 @@ impl Progress {
             bounded: false,
             repeats: Repeats::new(),
             passes: Vec::new(),
-            crowding: Crowding::CALM,
+            spending: Spending::NONE,
+            spells: Spells::NONE,
+            jams: Jams::NONE,
             in_crowd: false,
             chatters: false,
             goes_on_in_crowd: false,

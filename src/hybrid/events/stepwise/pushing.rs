@@ -50,7 +50,7 @@ impl Eventful {
         impulses: &[f64],
         before: &[f64],
     ) -> (usize, f64) {
-        let slow = 2.0 * self.progress.crowding.length() * self.model.whole.gravity.norm();
+        let slow = 2.0 * self.first_order_length() * self.model.whole.gravity.norm();
         let (mut row, mut count, mut sum) = (0, 0, 0.0);
         for (block, side) in blocks.iter().zip(sides) {
             let restitution = match (block.of, side) {

@@ -1,6 +1,7 @@
 //! Before a run is said to be off: a second opinion, and whether finer steps would help.
 
-use crate::events::crowded::{are_few, is_cheap, least_part};
+use crate::events::crowded::least_part;
+use crate::events::price::{are_few, is_cheap};
 use crate::mechanism::description::mechanism::Mechanism;
 use crate::mechanism::motion::state::State;
 use crate::simulation::method::run_integrator::RunIntegrator;
