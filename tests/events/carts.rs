@@ -275,3 +275,35 @@ fn two_points_of_a_wheel_that_do_not_press_do_not_close_each_other_in_turn() {
     // It has 18 impacts, and 72 steps lead from event to event.
     assert!(at_start < 20 && end.steps < 150, "{at_start} events at starts, {} steps", end.steps);
 }
+
+#[test]
+fn a_cart_whose_wheels_spin_at_a_wall_stands_there_with_one_wheel_held_by_floor_and_wall() {
+    // Friction of the floor and of the wall holds the wheel without a motor, and normal forces imply that: roundings of gaps were forces that grew from
+    // iteration to iteration, so that no step of any length was solved while the others spun.
+    let motors = [("fl", 8.0, 1.5), ("rl", 12.0, 3.0), ("rr", 9.0, 4.0)].map(|(name, rate, most)| {
+        format!(
+            "[[motor]]\njoint = \"axle_{name}\"\nkind = \"velocity\"\ntarget = {rate:?}\nkd = 2.0\nmax_effort = {most:?}\n"
+        )
+    });
+    for rolling in [0.0, 0.0005] {
+        let scene = format!(
+            "{}friction = 0.4\nrolling_friction = {rolling:?}\n[[obstacle]]\nname = \"wall\"\n\
+             shape = {{ type = \"box\", size = [0.2, 4.0, 4.0] }}\npose = {{ position = [0.66, 0, 0] }}\nfriction = 0.5\nrestitution = 0\n{}",
+            scene(BELOW + RADIUS, TORQUE, 1.0).split_once("[[motor]]").expect("motors").0.to_owned()
+                + "[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n",
+            motors.concat()
+        );
+        let file = scene_of(&format!("cart_at_wall_{rolling}"), &cart("1.5707963267948966", "0", "0 1 0"), &scene);
+        for tolerance in [1e-3, 1e-5] {
+            let end = report(&file, &[], &[], Some(0.8), tolerance);
+            let accuracy = end.accuracy.as_ref().expect("an estimate");
+            assert!(accuracy.reached, "{rolling} {tolerance:e}: {accuracy:?}");
+            assert_eq!(end.method.crowd.steps, 0, "{rolling} {tolerance:e}");
+            // Five events and calm spinning.
+            assert!(end.steps < 60, "{rolling} {tolerance:e}: {} steps", end.steps);
+            // The face of the wall, less the radius of the front wheels and the way to their axles.
+            let [x, y, _] = chassis(&end).position;
+            assert!((x - (0.56 - RADIUS - 0.25)).abs() < 1e-9 && y.abs() < 1e-9, "{rolling} {tolerance:e}: {x} {y}");
+        }
+    }
+}

@@ -41,7 +41,7 @@ fn a_pendulum_that_strikes_a_sliding_box_holds_however_many_of_its_last_bounces_
 
 #[test]
 fn runs_that_steps_over_events_leave_near_the_accuracy_begin_again_with_fewer_of_them_and_reach_it() {
-    // Four balls thrown into a box: 1.2e-3 m were told and left so. A box that falls on a see-saw and throws another one up: called chaotic.
+    // Eight balls thrown into a box. A box that falls on a see-saw and throws another one up: called chaotic.
     let mut balls = "[contact]\nfriction = 0.3986\nrestitution = 0.485\n[[obstacle]]\nname = \"floor\"\nshape = { type = \"half_space\" }\n".to_owned();
     for (name, normal, at) in
         [("e", [-1, 0], [0.5, 0.0]), ("w", [1, 0], [-0.5, 0.0]), ("n", [0, -1], [0.0, 0.3]), ("s", [0, 1], [0.0, -0.3])]
@@ -57,19 +57,25 @@ fn runs_that_steps_over_events_leave_near_the_accuracy_begin_again_with_fewer_of
         ("b2", 0.0662, 0.5885, [0.1, -0.0327, 0.2968], [-0.6067, 1.0295]),
         ("b3", 0.0611, 0.7158, [0.3, 0.1, 0.3702], [-0.5015, 1.7507]),
     ] {
-        balls += &format!(
-            "[[body]]\nname = \"{name}\"\nshape = {{ type = \"sphere\", radius = {radius} }}\nmass = {mass}\n\
-             pose = {{ position = {at:?} }}\nvelocity = {{ linear = [{}, {}, 0] }}\n",
-            along[0], along[1]
-        );
+        for layer in [0.0, 0.25] {
+            balls += &format!(
+                "[[body]]\nname = \"{name}_{layer}\"\nshape = {{ type = \"sphere\", radius = {radius} }}\nmass = {mass}\n\
+                 pose = {{ position = [{}, {}, {}] }}\nvelocity = {{ linear = [{}, {}, 0] }}\n",
+                at[0],
+                at[1],
+                at[2] + layer,
+                along[0],
+                along[1]
+            );
+        }
     }
     let file = scene_of("balls_in_a_box", "<link name='base'/>", &balls);
-    let (usual, fine) = (report_in_one(&file, 1.2, 1e-3), report_in_one(&file, 1.2, 1e-8));
+    let (usual, fine) = (report(&file, &[], &[], Some(1.2), 3e-3), report_in_one(&file, 1.2, 1e-8));
     let accuracy = usual.accuracy.as_ref().expect("an accuracy");
     let off = apart(&usual, &fine);
     println!("off by {off:e}, told {:e}, begun {} times", accuracy.estimated, accuracy.begun);
     assert!(accuracy.begun > 1 && accuracy.reached, "told {:e}, {:?}", accuracy.estimated, usual.warnings);
-    assert!(off <= 1e-3, "{off:e}");
+    assert!(off <= 3e-3, "{off:e}");
 }
 
 #[test]

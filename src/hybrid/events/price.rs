@@ -52,7 +52,12 @@ impl Eventful {
         let (length, keeps) = self.crowd_length();
         let good = self.workspaces.crowd.is_some() && keeps && !self.needs_events();
         let price = if good { self.price_of_crowds(length) } else { DEAREST };
-        let patience = if good && !self.is_worth_a_wait() { Patience::Short } else { Patience::Long };
+        let patience = match good {
+            true if self.is_worth_a_wait() => Patience::Order,
+            true if self.counts_instants() => Patience::Short,
+            true => Patience::Medium,
+            false => Patience::Long,
+        };
         self.progress.spending.rate(time, patience) > price
     }
 

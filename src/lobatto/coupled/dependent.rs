@@ -16,11 +16,15 @@
 //! pressures lie on a plane over the place of the points, as between rigid bodies with a foundation of equal springs that are as stiff as one likes.
 //! Increments mix stages, `J_i η_i + ε Σ_k Â_ik dλ_k = −g_i`, and so they have that property only if the columns of R span the same at all stages: points of
 //! a body do, crossings of edges do not. After each iteration `λ_k ← Q_k Q_kᵀ λ_k` at the rows' stages.
+//! Where friction holds other contacts of such a group, their slips are among the rows: a wheel that floor and wall hold can bear any part of a weight.
+//! Then the gaps and slips are reduced to what motions can change, and multipliers are left as they are.
 //! Decisions at events follow the same law. Loops within a tree are not considered: contacts that only such loops make redundant keep their ε.
 //!
 //! Source of the basis: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, section 5.2.8.
 
-use crate::coupled::groups::{Between, Group, ancestors, first_of_tree, floating_trees, is_floating, sliding_groups};
+use crate::coupled::groups::{
+    Between, Group, Rows, ancestors, first_of_tree, floating_trees, is_floating, sliding_groups,
+};
 use crate::numbers::lanes::{Lanes, MAX_LANES};
 use crate::plan::elimination::TWIST;
 use catena_mechanism::description::mechanism::Mechanism;
@@ -67,8 +71,15 @@ struct JointColumn {
 impl Dependent {
     /// All groups of a mechanism in which contacts slide with friction, for the rows of its loops and then of its contacts.
     pub fn all(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> Vec<Self> {
-        let groups = sliding_groups(mechanism, rows_of_closure).into_iter();
+        let groups = sliding_groups(mechanism, rows_of_closure, Rows::Gaps).into_iter();
         groups.filter(|group| group.rows.len() > INDEPENDENT).map(|group| Dependent::of(mechanism, &group)).collect()
+    }
+
+    /// The groups in which friction holds some contacts, too, with all rows of these: slips and turnings as well as gaps.
+    pub fn held(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> Vec<Self> {
+        let [gaps, all] = [Rows::Gaps, Rows::All].map(|rows| sliding_groups(mechanism, rows_of_closure, rows));
+        let holds = all.iter().zip(&gaps).filter(|(all, gaps)| all.rows.len() > gaps.rows.len().max(INDEPENDENT));
+        holds.map(|(all, _)| Dependent::of(mechanism, all)).collect()
     }
 
     /// The equations of a group.

@@ -30,8 +30,17 @@ pub(crate) struct Group {
     pub rows: Vec<Between>,
 }
 
+/// The rows of contacts that a group has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Rows {
+    /// The gaps.
+    Gaps,
+    /// The gaps, and the slips and turnings that friction holds.
+    All,
+}
+
 /// All groups of a mechanism in which contacts slide with friction, for the rows of its loops and then of its contacts.
-pub(crate) fn sliding_groups(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> Vec<Group> {
+pub(crate) fn sliding_groups(mechanism: &Mechanism, rows_of_closure: &[Range<usize>], rows_of: Rows) -> Vec<Group> {
     let mut found: Vec<Group> = Vec::new();
     let is_reeved = |number: usize| {
         number.checked_sub(mechanism.loops.len()).is_some_and(|touch| mechanism.touches[touch].is_reeved())
@@ -40,7 +49,7 @@ pub(crate) fn sliding_groups(mechanism: &Mechanism, rows_of_closure: &[Range<usi
     for (number, ([a, b], rows)) in closures.filter(|(number, _)| !is_reeved(*number)) {
         let pair = trees_of(mechanism, [a.body, b.body]);
         // The first row of a contact is its gap; a rolling contact has more rows, of rates.
-        let count = if number < mechanism.loops.len() { rows.len() } else { 1 };
+        let count = if number < mechanism.loops.len() || rows_of == Rows::All { rows.len() } else { 1 };
         let of_these = rows.clone().take(count).map(|row| (row, [a.body, b.body]));
         match found.iter_mut().find(|known| known.pairs == [pair]) {
             Some(known) => known.rows.extend(of_these),

@@ -19,7 +19,8 @@ impl<V: Lanes> Coupled<V> {
         geometry.evaluate(&self.rows_of_loop, &mut self.gaps, &mut self.gradients);
     }
 
-    /// Reduces the gaps of contacts, or their rates, to the part that motions can change, for these displacements since the start of the step.
+    /// Reduces the gaps of contacts, or their rates, and slips that friction holds beside contacts that slide, to the part that motions can change, for these
+    /// displacements since the start of the step.
     pub(crate) fn keep_gaps_of_motions<G: Geometry<V>>(
         &mut self,
         geometry: &G,
@@ -27,7 +28,13 @@ impl<V: Lanes> Coupled<V> {
         start: &G::Start,
         displacement: &[V],
     ) {
-        let Coupled { dependent, even, gradients, gaps, mixing, .. } = self;
+        let Coupled { held, dependent, even, gradients, gaps, mixing, .. } = self;
+        for rows in held {
+            let gradient = |row: usize| gradients[row][0];
+            rows.keep(mixing.active, gradient, gaps, |body, freedom| {
+                geometry.screws(plan, start, displacement, body, freedom).columns
+            });
+        }
         for (rows, weight) in dependent {
             let gradient = |row: usize| gradients[row][0];
             rows.keep(mixing.active, gradient, gaps, |body, freedom| {

@@ -179,6 +179,8 @@ pub struct Coupled<V: Lanes> {
     pub(crate) weights: Vec<f64>,
     /// Contacts of which some may imply others, with the value of ε for them [1/kg]; and the same for every row of such contacts.
     pub(crate) dependent: Vec<(Dependent, f64)>,
+    /// Such contacts with the rows in which friction holds them.
+    pub(crate) held: Vec<Dependent>,
     pub(crate) even: Vec<Option<f64>>,
     /// The mobility of the bodies of tangents that friction holds beside friction that brakes [1/kg], times [`LOOSE`], and zero for other rows. Beside a
     /// contact that was eliminated before, a row has hardly any mobility left, and a tangent would bear a part of the weight that the other contact
@@ -270,6 +272,7 @@ impl<V: Lanes> Coupled<V> {
             (group, part * largest)
         });
         let dependent: Vec<(Dependent, f64)> = dependent.collect();
+        let held = Dependent::held(mechanism, &rows_of_loop);
         let mut adhering = vec![0.0; rows];
         let touches = rows_of_loop[mechanism.loops.len()..loops].iter().zip(&mechanism.touches);
         for (own, joint) in touches.filter(|(_, joint)| mechanism.holds_beside_rubbing(joint)) {
@@ -309,6 +312,7 @@ impl<V: Lanes> Coupled<V> {
             scales: vec![0.0; rows],
             weights,
             dependent,
+            held,
             even: vec![None; rows],
             adhering,
             references: vec![1.0; rows],

@@ -10,23 +10,26 @@
 //! c, c_g, c_d, c_0: measured costs (s). All are counts, so that the choice does not depend on a clock.
 //!
 //! p is the price of exact steps: twice the cost of steps over events where these keep to the tolerance, and [`DEAREST`] where they do not. Events take at most
-//! p (T + τ) of CPU time in a time T of the motion, and one more event for each τ, however they follow. τ is short where steps over events are as good, and long where they are not
-//! and in scenes of a few bodies, in which the order of a few impacts may decide what follows.
+//! p (T + τ) of CPU time in a time T of the motion, and one more event for each τ, however they follow. τ is how long exact steps may cost more ([`Patience`]).
 
 /// p where no other steps keep to the tolerance (s/s).
 pub(crate) const DEAREST: f64 = 20.0;
 /// c_0 (s).
 const STEP: f64 = 3e-5;
 /// τ (s), by patience.
-const SPANS: [f64; 2] = [1e-2, 1e-1];
+const SPANS: [f64; 4] = [1e-2, 3e-2, 1e-1, 1e-1];
 
-/// How long costs are remembered.
+/// How long costs are remembered: for how long exact steps may cost more than their price.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Patience {
-    /// 10 ms.
+    /// 10 ms: steps over events are as good.
     Short,
-    /// 100 ms.
+    /// 30 ms: they are, but the error is estimated, and they end what the estimate holds for.
+    Medium,
+    /// 0.1 s: they do not keep to the tolerance.
     Long,
+    /// 0.1 s of events alone, without slips: the order of a few impacts decides what follows.
+    Order,
 }
 
 /// How a step ended.
@@ -46,7 +49,7 @@ pub(crate) enum Ended {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spending {
     /// τ R for each patience (s), and when that was (s).
-    spent: [f64; 2],
+    spent: [f64; 4],
     at: f64,
     /// The cost of the last step (s).
     last: f64,
@@ -58,16 +61,16 @@ pub(crate) struct Spending {
 impl Spending {
     /// Before the first event.
     pub const NONE: Spending =
-        Spending { spent: [0.0; 2], at: 0.0, last: 0.0, impact: f64::NEG_INFINITY, fast: f64::NEG_INFINITY };
+        Spending { spent: [0.0; 4], at: 0.0, last: 0.0, impact: f64::NEG_INFINITY, fast: f64::NEG_INFINITY };
 
-    /// Counts a step from a time (s) on that has ended so, with w without c_0 (s). For a short time steps are as dear that slips have made short; for a
-    /// long one smooth steps have c_0 alone.
+    /// Counts a step from a time (s) on that has ended so, with w without c_0 (s). Smooth steps have no cost, and c_0 for a long time.
     pub fn spend(&mut self, time: f64, cost: f64, ended: Ended) {
         self.spent = self.spent_at(time);
         (self.at, self.last) = (time, cost + STEP);
-        let [short, long] = &mut self.spent;
-        *short += if ended == Ended::Smoothly { 0.0 } else { self.last };
-        *long += if matches!(ended, Ended::AtEvent | Ended::AtInstant) { self.last } else { STEP };
+        let (own, smooth, slip) = (self.last, ended == Ended::Smoothly, ended == Ended::AtSlip);
+        let short = if smooth { 0.0 } else { own };
+        let costs = [short, short, if smooth { STEP } else { own }, if smooth || slip { STEP } else { own }];
+        self.spent.iter_mut().zip(costs).for_each(|(spent, cost)| *spent += cost);
     }
 
     /// Counts steps that would only repeat the last one, and are not made.
@@ -77,7 +80,7 @@ impl Spending {
 
     /// Forgets what was spent.
     pub fn forget(&mut self) {
-        self.spent = [0.0; 2];
+        self.spent = [0.0; 4];
     }
 
     /// R at a time (s/s).
@@ -102,9 +105,9 @@ impl Spending {
         time - self.fast <= SPANS[0]
     }
 
-    fn spent_at(&self, time: f64) -> [f64; 2] {
+    fn spent_at(&self, time: f64) -> [f64; 4] {
         let fades = |span: f64| (-(time - self.at).max(0.0) / span).exp();
-        [0, 1].map(|kind| self.spent[kind] * fades(SPANS[kind]))
+        [0, 1, 2, 3].map(|kind| self.spent[kind] * fades(SPANS[kind]))
     }
 }
 
@@ -128,7 +131,9 @@ mod tests {
 
     #[test]
     fn events_without_an_end_cost_their_price_and_what_is_spent_at_once() {
-        for (patience, span) in [(Patience::Short, 0.01), (Patience::Long, 0.1)] {
+        for (patience, span) in
+            [(Patience::Short, 0.01), (Patience::Medium, 0.03), (Patience::Long, 0.1), (Patience::Order, 0.1)]
+        {
             for (cost, price) in [(1e-4, 1.0), (5e-3, 20.0)] {
                 let spent = spent_in_a_second(cost, price, patience);
                 // The event with which the price is reached may exceed it.
@@ -151,21 +156,17 @@ mod tests {
     }
 
     #[test]
-    fn smooth_steps_cost_nothing_for_a_short_time_and_little_for_a_long_one_and_slips_count_for_a_short_one() {
-        let rates = |ended: Ended| {
+    fn smooth_steps_cost_nothing_for_a_short_time_and_little_for_a_long_one_and_slips_change_no_order() {
+        let of = |ended: Ended| {
             let mut spending = Spending::NONE;
             spending.spend(0.0, 0.05, ended);
-            [Patience::Short, Patience::Long].map(|patience| spending.rate(0.0, patience))
+            spending.spent
         };
-        let [whole, least] = [0.05 + STEP, STEP];
-        for (ended, [short, long]) in [
-            (Ended::Smoothly, [0.0, least]),
-            (Ended::AtSlip, [whole, least]),
-            (Ended::AtInstant, [whole, whole]),
-            (Ended::AtEvent, [whole, whole]),
-        ] {
-            assert_eq!(rates(ended), [short / SPANS[0], long / SPANS[1]], "{ended:?}");
-        }
+        let (whole, least) = (0.05 + STEP, STEP);
+        assert_eq!(of(Ended::Smoothly), [0.0, 0.0, least, least]);
+        assert_eq!(of(Ended::AtSlip), [whole, whole, whole, least]);
+        assert_eq!(of(Ended::AtInstant), [whole; 4]);
+        assert_eq!(of(Ended::AtEvent), [whole; 4]);
     }
 
     #[test]
