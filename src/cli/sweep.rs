@@ -38,8 +38,8 @@ pub struct SweepArgs {
     #[arg(short, long, value_name = "DIR", value_parser = crate::cli::arguments::outputs::output_folder(), required_unless_present = "dry_run")]
     output: Option<PathBuf>,
 
-    /// Make a few runs, estimate what the whole sweep takes, and write no files
-    #[arg(long, conflicts_with_all = ["merge", "output"])]
+    /// Make a few runs, estimate what the whole sweep takes, and write no files, also with --output
+    #[arg(long, conflicts_with = "merge")]
     dry_run: bool,
 
     /// How rows are written: csv, or parquet if it was compiled in [default: parquet if it was]

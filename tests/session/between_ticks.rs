@@ -120,3 +120,24 @@ fn motors_of_independent_robots_hold_their_own_efforts() {
     assert!(held[3].zip(expected[0]).is_some_and(|(one, other)| (one - other).abs() > 0.1), "they differ");
     std::fs::remove_dir_all(folder).expect("removed");
 }
+
+#[test]
+fn a_motor_that_holds_its_effort_too_long_is_warned_of_where_its_motion_grows_and_not_before() {
+    // Each tick multiplies the rate by 1 − kd T/J.
+    let (_, inertia, folder) = driven_pendulum("long_periods", "kind = \"velocity\"\ntarget = 0.0\nkd = 1.0");
+    for (factor, grows) in [(0.99, false), (1.01, true)] {
+        let motor =
+            format!("kind = \"velocity\"\ntarget = 0.0\nkd = {:?}\nperiod = 0.01", factor * 2.0 * inertia / 0.01);
+        let (model, _, own) = driven_pendulum(&format!("long_periods_{grows}"), &motor);
+        let mut simulation = Simulation::new(&model).tolerance(1e-6).velocities([("hinge", 0.5)]).expect("a start");
+        simulation.step_to(0.2).expect("it runs");
+        let rate = simulation.velocity("hinge").expect("a joint")[0];
+        assert!((rate - 0.5 * (1.0 - 2.0 * factor).powi(20)).abs() < 1e-6, "{factor}: {rate}");
+        let report = simulation.finish().expect("a report");
+        let told =
+            report.warnings.iter().filter(|line| line.contains("motor on \"hinge\": it holds its effort for 0.01 s"));
+        assert_eq!(told.count(), usize::from(grows), "{factor}: {:?}", report.warnings);
+        std::fs::remove_dir_all(own).expect("removed");
+    }
+    std::fs::remove_dir_all(folder).expect("removed");
+}

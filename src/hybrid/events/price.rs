@@ -3,7 +3,7 @@
 //! ```text
 //!     C = (1/h) c_c (i + 5) n                               cost of steps over events for a second of the motion (s/s)
 //!     E = n_s c (n + 3 n_c)² + c_d (3 n_c)³                 expected cost of exact steps for a calm second of it (s/s)
-//!     begin:   R > max(2 C, 1), if steps over events keep to the tolerance, else R > 20               R: what events cost (`parts/spending.rs`)
+//!     begin:   R > max(2 C, 1), if steps over events keep to the tolerance, else R > 20               R: cost of events (`parts/spending.rs`)
 //!              c_d (3 n_c)³ > max(2 C, 1), or 3, where a run begins                                   cost of its decision (s)
 //!     end:     E < C/2;   or E < 0.2 in a scene of a few bodies, n_s c (3 n)² < 0.08 s, whose error is estimated
 //! ```

@@ -36,7 +36,7 @@ impl Eventful {
     pub(super) fn pass_singular(&mut self, inputs: Inputs, state: &mut State, until: f64) -> StepOutcome {
         let start = self.trial.origin.clone();
         state.copy_from(&start);
-        let step = self.first_order_length().min(until - start.time);
+        let step = self.begin_first_order(start.time).min(until - start.time);
         let efforts = self.mode.driving_efforts(&self.model.elements, inputs, state);
         let momenta = self.momenta(&start, step);
         let moved: Vec<f64> = regular_rates(&mass_matrix(&self.model.whole, &start), &start.velocity, step);

@@ -83,6 +83,19 @@ impl Eventful {
         self.progress.jams.jam(time, LENGTHS[0]);
     }
 
+    /// Begins a step of first order at a time (s), which is a crowd of its own if it is longer than those of jams; returns its length (s).
+    pub(super) fn begin_first_order(&mut self, time: f64) -> f64 {
+        let is_crowd = self.progress.jams.next().is_none();
+        if is_crowd {
+            self.progress.spells.enter(time);
+        }
+        let length = self.first_order_length();
+        if is_crowd {
+            self.progress.spells.leave(time + length);
+        }
+        length
+    }
+
     /// The length of a step of first order (s).
     pub(super) fn first_order_length(&self) -> f64 {
         let Progress { jams, spells, .. } = &self.progress;
@@ -100,11 +113,8 @@ impl Eventful {
         let mut free = vec![0.0; self.model.whole.velocity_count];
         self.workspaces.response.accelerations(state, &efforts, &mut free);
         let jammed = self.progress.jams.next().is_some();
-        if !jammed {
-            self.progress.spells.enter(start.time);
-        }
         let longer = if jammed { self.model.coarser } else { 1.0 };
-        let mut step = (longer * self.first_order_length()).min(until - start.time);
+        let mut step = (longer * self.begin_first_order(start.time)).min(until - start.time);
         let mut rounds = 0;
         let Pushed { pressed, limits, near, rebounds, driven, .. } = loop {
             let pushed = self.pushed(step, &start, &free, &mut state.velocity, rounds == SHORTENED);
@@ -117,9 +127,6 @@ impl Eventful {
         self.tally.leave_out(rebounds.0, rebounds.1, &self.model.whole, &start);
         let moved: Vec<f64> = state.velocity.iter().map(|rate| step * rate).collect();
         let moving = State { velocity: state.velocity.clone(), ..start.clone() };
-        if !jammed {
-            self.progress.spells.leave(start.time + step);
-        }
         self.tally.smeared[1] += if jammed { step } else { 0.0 };
         self.tally.left_of_steps += step * self.speed_in_doubt(&start, &free, step);
         let loads = work_of_forces(&self.model.whole, &moving, step);

@@ -3,6 +3,7 @@
 use crate::instant::start::assembly::{assemble_counted, assemble_on_closures, overlap_in_words};
 use crate::instant::start::damped_points::{DECAY, rotors_of_dampers};
 use crate::instant::start::gimbal_lock::leave_gimbal_lock;
+use crate::instant::start::long_periods::long_periods;
 use crate::lobatto::coupled::counted::Counted;
 use crate::mechanism::description::nonsmooth::Motor;
 use crate::mechanism::ground::words::{decimals, short};
@@ -235,7 +236,21 @@ impl Loaded {
         warnings.extend(self.model.moved_in_warning(&given, &state));
         warnings.extend(self.model.locked_warning(&given));
         warnings.extend(self.model.limit_warning(&state));
+        warnings.extend(self.long_periods(&state).map(warning));
         Ok(Assembled { state, counted, warnings })
+    }
+
+    /// Motors that hold their efforts for so long that the motion grows.
+    fn long_periods(&self, start: &State) -> impl Iterator<Item = String> {
+        long_periods(&self.model.mechanism, start).into_iter().take(NAMED).map(|found| {
+            format!(
+                "motor on {:?}: it holds its effort for {} s, in which it more than reverses the motion that it damps, so that the motion grows, or chatters at \
+                 the largest effort; at the start a period below {:.1e} s, a smaller kd or an armature of the joint avoids that",
+                joint_name(&self.model, found.body),
+                found.period,
+                found.longest
+            )
+        })
     }
 
     /// The first joints with one coordinate that do not start as wanted, as the end of a sentence.

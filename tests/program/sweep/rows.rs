@@ -202,9 +202,9 @@ fn curves_extremes_and_events_are_those_of_the_run() {
 #[test]
 fn a_dry_run_says_what_the_whole_takes_and_writes_nothing() {
     let folder = folder("sweep_dry", MIXED);
-    let output = catena(&folder, &["sweep", "sweep.toml", "--dry-run", "--json", "--shard", "2/2", "--format", "csv"])
-        .output()
-        .unwrap();
+    // The usual command, with one word more: its folder is not made.
+    let usual = ["sweep", "sweep.toml", "-o", "dry", "--shard", "2/2", "--format", "csv", "--json", "--dry-run"];
+    let output = catena(&folder, &usual).output().unwrap();
     let said: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", text(&output.stderr)));
     assert_eq!(
         (&said["sweep_runs"], &said["runs"], &said["tried"], &said["failed"]),

@@ -52,7 +52,7 @@ pub(crate) struct StepTrial {
     pub covers: Vec<(usize, Cover)>,
     /// A bound of the overlap of all pairs in the last step (m).
     pub overlap: f64,
-    /// Looks at the gaps of hulls with many vertices that the labour of steps does not have yet.
+    /// Looks at the gaps of hulls with many vertices that the cost of steps does not have yet.
     pub looks: usize,
     /// The bodies in the state that was looked at last.
     pub bodies: Vec<BodyState>,

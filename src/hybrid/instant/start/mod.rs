@@ -7,5 +7,6 @@ pub mod damped_points;
 pub mod gimbal_lock;
 #[doc(hidden)]
 pub mod limits;
+pub mod long_periods;
 pub mod unreachable;
 pub(crate) mod wedged;
