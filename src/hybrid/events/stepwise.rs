@@ -83,7 +83,7 @@ impl Eventful {
         self.progress.jams.jam(time, LENGTHS[0]);
     }
 
-    /// Begins a step of first order at a time (s), which is a crowd of its own if it is longer than those of jams; returns its length (s).
+    /// Begins a step of first order at a time (s), which is a crowd of its own unless it passes a jam; returns its length (s).
     pub(super) fn begin_first_order(&mut self, time: f64) -> f64 {
         let is_crowd = self.progress.jams.next().is_none();
         if is_crowd {

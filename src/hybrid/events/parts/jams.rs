@@ -45,7 +45,7 @@ impl Jams {
         self.is_next.then_some(self.length)
     }
 
-    /// The next step is none of these.
+    /// The next step passes no jam.
     pub fn pass(&mut self) {
         self.is_next = false;
     }

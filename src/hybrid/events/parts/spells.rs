@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     m₀ = 10;   m_{k+1} = 2 m_k  if it begins less than ten of its lengths, or 20 ms, after the last one ended, at most 512, else m₀
-//!     h_k = h₀ m_k / m₀,  1 ms at most                      length of a step where none keeps to the tolerance (s)
+//!     h_k = h₀ m_k / m₀,  1 ms at most                      length of a step that does not keep to the tolerance (s)
 //! ```
 
 /// m₀ and the most.
@@ -44,7 +44,7 @@ impl Spells {
         self.ended = time;
     }
 
-    /// The factor by which steps are longer where none keeps to the tolerance, because crowds follow soon.
+    /// The factor by which steps that do not keep to the tolerance are longer, because crowds follow soon.
     pub fn longer(&self) -> f64 {
         self.calm.1 as f64 / CALM as f64
     }
