@@ -15,6 +15,7 @@ use crate::events::crowd::contacts::{Scene, has_row};
 use crate::events::crowd::step::Made;
 use crate::events::integrator::Eventful;
 use crate::events::modes::mode::MotorMode;
+use crate::events::parts::jams::Jams;
 use crate::events::parts::model::HybridModel;
 use crate::events::parts::progress::Progress;
 use crate::events::parts::spells::Spells;
@@ -27,7 +28,7 @@ use crate::mechanism::motion::inputs::Inputs;
 use crate::mechanism::motion::integrator::StepOutcome;
 use crate::mechanism::motion::state::State;
 
-/// Lengths of steps (s): the least, the most, and where none keeps to the tolerance.
+/// Lengths of steps (s): the least, the most, and the most of those that do not keep to the tolerance.
 pub(super) const LENGTHS: [f64; 2] = [1e-4, 2e-3];
 const PLAIN: f64 = 1e-3;
 /// κ: the error of an impact over its change of velocity and the length of the step.
@@ -41,6 +42,7 @@ const UNSOLVED: f64 = 1e-4;
 /// A step is made shorter by this factor, this often at most.
 const SHORTER: f64 = 0.25;
 const SHORTENED: usize = 4;
+
 /// A step over events: its end, its length (s) and figures.
 pub(super) struct Attempted {
     pub end: State,
@@ -53,6 +55,7 @@ pub(super) struct Attempted {
 pub struct CrowdsSoFar {
     spending: Spending,
     spells: Spells,
+    jams: Jams,
     in_crowd: bool,
     beyond_horizon: bool,
     /// The largest speed of its bodies, in the mean over their masses [m/s].
@@ -73,13 +76,14 @@ impl Eventful {
     /// What it has seen of crowds.
     pub fn crowds_so_far(&self) -> CrowdsSoFar {
         let speed = self.fastest();
-        let &Progress { spending, spells, in_crowd, beyond_horizon, .. } = &self.progress;
-        CrowdsSoFar { spending, spells, in_crowd, beyond_horizon, speed }
+        let &Progress { spending, spells, jams, in_crowd, beyond_horizon, .. } = &self.progress;
+        CrowdsSoFar { spending, spells, jams, in_crowd, beyond_horizon, speed }
     }
 
     /// Goes on from what another run has seen, before the first step: in a crowd if that was in one.
     pub fn go_on_from(&mut self, before: CrowdsSoFar) {
-        (self.progress.spending, self.progress.spells) = (before.spending, before.spells);
+        self.progress.spending = before.spending;
+        (self.progress.spells, self.progress.jams) = (before.spells, before.jams);
         self.progress.goes_on_in_crowd = before.in_crowd;
         self.progress.beyond_horizon |= before.beyond_horizon;
         self.memory.kinetic = 0.5 * self.mass() * before.speed.powi(2);
@@ -110,8 +114,13 @@ impl Eventful {
             // Joints that hard dampers hold hardly move.
             Some(_) if self.progress.chatters => (LENGTHS[0], true),
             _ if self.progress.beyond_horizon => (PLAIN, true),
-            _ => ((LENGTHS[0] * self.progress.spells.longer()).min(PLAIN), false),
+            _ => (self.length_in_spells(), false),
         }
+    }
+
+    /// The length of steps that do not keep to the tolerance (s): longer in crowds that follow each other.
+    pub(super) fn length_in_spells(&self) -> f64 {
+        (LENGTHS[0] * self.progress.spells.longer()).min(PLAIN)
     }
 
     /// Once this flag is set, a step over events that is being made is given up: then a step has no length, and leaves the state as it is.

@@ -51,12 +51,14 @@ impl Eventful {
     pub(super) fn are_exact_steps_too_dear(&self, time: f64) -> bool {
         let (length, keeps) = self.crowd_length();
         let good = self.workspaces.crowd.is_some() && keeps && !self.needs_events();
-        let price = if good { self.price_of_crowds(length) } else { DEAREST };
-        let patience = match good {
-            true if self.is_worth_a_wait() => Patience::Order,
-            true if self.counts_instants() => Patience::Short,
-            true => Patience::Medium,
-            false => Patience::Long,
+        let (price, patience) = if !good {
+            (DEAREST, Patience::Long)
+        } else if self.is_worth_a_wait() {
+            (self.price_of_crowds(length), Patience::Order)
+        } else if self.counts_instants() {
+            (self.price_of_crowds(length), Patience::Short)
+        } else {
+            (self.price_of_crowds(length), Patience::Medium)
         };
         self.progress.spending.rate(time, patience) > price
     }

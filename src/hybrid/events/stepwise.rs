@@ -20,7 +20,6 @@ use crate::events::crowded::LENGTHS;
 use crate::events::effects::omitted_flights::probe_velocities;
 use crate::events::effects::resting::{energy, work_of_forces};
 use crate::events::integrator::Eventful;
-use crate::events::parts::progress::Progress;
 use crate::events::parts::spending::Patience;
 use crate::events::price::CHEAP;
 use crate::instant::start::assembly::assemble_nearby;
@@ -34,8 +33,6 @@ use crate::mechanism::motion::state::State;
 
 /// A step that gains more than this part of the kinetic energy is scaled.
 const GAIN: f64 = 1e-14;
-/// Steps in crowds that follow each other are longer by this factor at most.
-const LONGER: f64 = 10.0;
 
 /// Dampers with time constants below half of this (s) make joints that creep stop and slip, and limits bear and release, without an end.
 const HARD: f64 = 1e-4;
@@ -98,8 +95,7 @@ impl Eventful {
 
     /// The length of a step of first order (s).
     pub(super) fn first_order_length(&self) -> f64 {
-        let Progress { jams, spells, .. } = &self.progress;
-        jams.next().unwrap_or(LENGTHS[0] * spells.longer().min(LONGER))
+        self.progress.jams.next().unwrap_or_else(|| self.length_in_spells())
     }
 
     /// Makes one such step towards `until` from the start of the step that failed.

@@ -69,17 +69,14 @@ struct JointColumn {
 }
 
 impl Dependent {
-    /// All groups of a mechanism in which contacts slide with friction, for the rows of its loops and then of its contacts.
-    pub fn all(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> Vec<Self> {
-        let groups = sliding_groups(mechanism, rows_of_closure, Rows::Gaps).into_iter();
-        groups.filter(|group| group.rows.len() > INDEPENDENT).map(|group| Dependent::of(mechanism, &group)).collect()
-    }
-
-    /// The groups in which friction holds some contacts, too, with all rows of these: slips and turnings as well as gaps.
-    pub fn held(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> Vec<Self> {
+    /// All groups of a mechanism in which contacts slide with friction, for the rows of its loops and then of its contacts; and the groups in which
+    /// friction holds some contacts, too, with all rows of these: slips and turnings as well as gaps.
+    pub fn all(mechanism: &Mechanism, rows_of_closure: &[Range<usize>]) -> [Vec<Self>; 2] {
         let [gaps, all] = [Rows::Gaps, Rows::All].map(|rows| sliding_groups(mechanism, rows_of_closure, rows));
-        let holds = all.iter().zip(&gaps).filter(|(all, gaps)| all.rows.len() > gaps.rows.len().max(INDEPENDENT));
-        holds.map(|(all, _)| Dependent::of(mechanism, all)).collect()
+        let larger = |group: &&Group, than: usize| group.rows.len() > than.max(INDEPENDENT);
+        let holds = all.iter().zip(&gaps).filter(|(all, gaps)| larger(all, gaps.rows.len())).map(|(all, _)| all);
+        let of = |group: &Group| Dependent::of(mechanism, group);
+        [gaps.iter().filter(|group| larger(group, 0)).map(of).collect(), holds.map(of).collect()]
     }
 
     /// The equations of a group.

@@ -29,17 +29,11 @@ impl<V: Lanes> Coupled<V> {
         displacement: &[V],
     ) {
         let Coupled { held, dependent, even, gradients, gaps, mixing, .. } = self;
-        for rows in held {
-            let gradient = |row: usize| gradients[row][0];
-            rows.keep(mixing.active, gradient, gaps, |body, freedom| {
-                geometry.screws(plan, start, displacement, body, freedom).columns
-            });
-        }
+        let gradient = |row: usize| gradients[row][0];
+        let screw = |body, freedom| geometry.screws(plan, start, displacement, body, freedom).columns;
+        held.iter_mut().for_each(|rows| rows.keep(mixing.active, gradient, gaps, screw));
         for (rows, weight) in dependent {
-            let gradient = |row: usize| gradients[row][0];
-            rows.keep(mixing.active, gradient, gaps, |body, freedom| {
-                geometry.screws(plan, start, displacement, body, freedom).columns
-            });
+            rows.keep(mixing.active, gradient, gaps, screw);
             rows.rows().for_each(|row| even[row] = rows.is_implied().then_some(*weight));
         }
     }

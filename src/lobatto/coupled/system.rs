@@ -265,14 +265,13 @@ impl<V: Lanes> Coupled<V> {
         let weight = |row: usize| -> f64 {
             ends[elimination.closure_of_row[row]].iter().flatten().map(|&body| weights[body]).sum()
         };
-        let dependent = Dependent::all(mechanism, &rows_of_loop).into_iter();
-        let dependent = dependent.map(|group| {
+        let [dependent, held] = Dependent::all(mechanism, &rows_of_loop);
+        let dependent = dependent.into_iter().map(|group| {
             let part = if group.is_of_two_trees() { PROXIMAL } else { SHARED };
             let largest = group.rows().map(weight).fold(0.0, f64::max);
             (group, part * largest)
         });
         let dependent: Vec<(Dependent, f64)> = dependent.collect();
-        let held = Dependent::held(mechanism, &rows_of_loop);
         let mut adhering = vec![0.0; rows];
         let touches = rows_of_loop[mechanism.loops.len()..loops].iter().zip(&mechanism.touches);
         for (own, joint) in touches.filter(|(_, joint)| mechanism.holds_beside_rubbing(joint)) {

@@ -65,7 +65,7 @@ impl Spending {
 
     /// Counts a step from a time (s) on that has ended so, with w without c_0 (s). Smooth steps have no cost, and c_0 for a long time.
     pub fn spend(&mut self, time: f64, cost: f64, ended: Ended) {
-        self.spent = self.spent_at(time);
+        self.spent = [0, 1, 2, 3].map(|kind| self.spent_at(time, kind));
         (self.at, self.last) = (time, cost + STEP);
         let (own, smooth, slip) = (self.last, ended == Ended::Smoothly, ended == Ended::AtSlip);
         let short = if smooth { 0.0 } else { own };
@@ -86,7 +86,7 @@ impl Spending {
     /// R at a time (s/s).
     pub fn rate(&self, time: f64, patience: Patience) -> f64 {
         let kind = patience as usize;
-        self.spent_at(time)[kind] / SPANS[kind]
+        self.spent_at(time, kind) / SPANS[kind]
     }
 
     /// Notes impacts, and slips that are not slow, in a step from a time (s) on.
@@ -105,9 +105,8 @@ impl Spending {
         time - self.fast <= SPANS[0]
     }
 
-    fn spent_at(&self, time: f64) -> [f64; 4] {
-        let fades = |span: f64| (-(time - self.at).max(0.0) / span).exp();
-        [0, 1, 2, 3].map(|kind| self.spent[kind] * fades(SPANS[kind]))
+    fn spent_at(&self, time: f64, kind: usize) -> f64 {
+        self.spent[kind] * (-(time - self.at).max(0.0) / SPANS[kind]).exp()
     }
 }
 
